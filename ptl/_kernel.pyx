@@ -1,0 +1,500 @@
+# cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
+# cython: embedsignature=True
+"""The hot loop: episodes of tabular Q-learning in a deterministic world.
+
+One `Learner` learns one task (one goal). Between `begin_episode` and the goal its three calls can follow each other in
+any order, which is all that the methods are made of:
+
+``explore``   act epsilon-greedily on the task's Q,
+``follow``    follow a stored policy to its subgoal (PTL's skills),
+``reuse``     pi-reuse of a past policy (Fernandez and Veloso).
+
+Every primitive step, whoever chose it, updates Q(s,a) += alpha (r + gamma max_b Q(s',b) - Q(s,a)), with r = 1 and no
+bootstrap at the goal and r = 0 elsewhere, notes the action as the last exit from s and as taken in s.
+
+How it is fast
+--------------
+*Table of moves.* Twelve slots a state hold the greedy moves, each tied action in 12/k of them, and four more hold the
+four actions. A draw r of 32 bits gives p = 12 r: the high half of p is a slot (0..11) and the low half decides between
+the greedy slots and the uniform ones, so that the index of a move does not depend on the state and a step is one load.
+
+*Two steps at a time where nothing is known.* Call a state cold if Q is zero on all states within two steps of it and
+the goal is none of them. There all four actions tie, so the next two actions are uniform and independent whatever
+epsilon is; both targets are gamma * 0, so the two updates leave Q as it is; and the episode cannot end. Two
+steps are therefore four random bits and one load from a table of two-step successors. The law of the episode is
+that of single steps, and the tests' plain reference, which takes these steps singly and with all updates, agrees bit
+for bit. Both last exits and both actions taken are noted as ever.
+
+Floating point is plain IEEE double without contraction: the same bits on every machine.
+"""
+
+cimport cython
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.stdint cimport int32_t, int64_t, uint8_t, uint32_t, uint64_t
+from libc.string cimport memset
+from numpy.random cimport bitgen_t
+
+import numpy as np
+
+cdef extern from *:
+    """
+    #ifndef PTL_SOURCE_DIGEST
+    #define PTL_SOURCE_DIGEST "unknown"
+    #endif
+    """
+    const char* PTL_SOURCE_DIGEST
+
+SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
+"""sha256 of the sources that this extension was built from."""
+
+cdef enum:
+    SLOTS = 16       # moves of a state in the table: 12 greedy, then 4 uniform
+    GREEDY_SLOTS = 12
+    ALL_ACTIONS = 15
+
+cdef int64_t NO_LIMIT = <int64_t>1 << 62
+cdef double TWO_32 = 4294967296.0
+
+# The action in each greedy slot for every set of tied actions (bit a: action a), in the order of the actions.
+cdef uint8_t[16][12] TIED_ACTION
+cdef int _set, _slot
+for _set in range(1, 16):
+    _tied = [a for a in range(4) if _set >> a & 1]
+    for _slot in range(GREEDY_SLOTS):
+        TIED_ACTION[_set][_slot] = _tied[_slot * len(_tied) // GREEDY_SLOTS]
+
+
+cdef class Dynamics:
+    """The transitions of one map in the layout of the kernel; shared by all learners on the map.
+
+    Parameters
+    ----------
+    successors : int array, shape (n_states, 4)
+        State after each action (north, south, west, east).
+
+    Raises
+    ------
+    ValueError
+        If the shape is wrong or a successor is not a state.
+    """
+
+    def __init__(self, successors):
+        table = np.ascontiguousarray(successors, dtype=np.uint32)
+        if table.ndim != 2 or table.shape[1] != 4 or not len(table):
+            raise ValueError("successors must have the shape (n_states, 4)")
+        if table.max() >= len(table):
+            raise ValueError("a successor is not a state")
+        self.n_states = len(table)
+        # Entry g of a state's row: the state after action g & 3 and then action g >> 2, as an offset into the moves.
+        after_two = table[table].transpose(0, 2, 1).reshape(-1, 16)
+        jumps = np.ascontiguousarray(after_two * np.uint32(SLOTS), dtype=np.uint32)
+        order = np.argsort(table.ravel(), kind="stable")
+        predecessors = (order // 4).astype(np.uint32)
+        bounds = np.searchsorted(table.ravel()[order], np.arange(self.n_states + 1)).astype(np.uint32)
+        # The moves of a state that knows nothing: all four actions tie.
+        actions = [TIED_ACTION[ALL_ACTIONS][slot] for slot in range(GREEDY_SLOTS)] + [0, 1, 2, 3]
+        self.fresh_moves = table[:, actions] * np.uint32(SLOTS) + np.array(actions, dtype=np.uint32)
+        self._keep = (table, jumps, predecessors, bounds)
+        self.successors = pointer32(table)
+        self.jumps = pointer32(jumps)
+        self.predecessors = pointer32(predecessors)
+        self.first_predecessor = pointer32(bounds)
+
+
+cdef uint32_t* pointer32(array):
+    cdef uint32_t[::1] view = array.reshape(-1)
+    return &view[0]
+
+
+cdef uint8_t* pointer8(array):
+    cdef uint8_t[::1] view = array.reshape(-1)
+    return &view[0]
+
+
+cdef double* pointer_double(array):
+    cdef double[::1] view = array.reshape(-1)
+    return &view[0]
+
+
+cdef uint64_t threshold(double probability) noexcept nogil:
+    """The number of 32-bit draws out of 2**32 that stand for a probability."""
+    return <uint64_t>(probability * TWO_32)
+
+
+cdef inline void update(Learner learner, double* values, double* best, const uint8_t* greedy,
+                        double alpha, double gamma, uint32_t state, uint32_t action, uint32_t successor,
+                        uint32_t goal) noexcept nogil:
+    """One Q-learning update; the pointers come as arguments because the hot loop keeps them in registers."""
+    cdef double old = values[4 * state + action]
+    cdef double target = 1.0 if successor == goal else gamma * best[successor]
+    cdef double new = old + alpha * (target - old)
+    if new == old:
+        return
+    values[4 * state + action] = new
+    if new > best[state]:
+        if greedy[state] == 1 << action:
+            best[state] = new
+            return
+    elif new < best[state] and not greedy[state] >> action & 1:
+        return
+    learner.refresh(state)
+
+
+cdef inline uint32_t draw(Learner learner) noexcept nogil:
+    """The next 32 random bits: the low half of a word, then its high half."""
+    if learner.has_half:
+        learner.has_half = False
+        return learner.half
+    if learner.next_word == 256:
+        learner.draw_words()
+    learner.half = learner.words[learner.next_word] >> 32
+    learner.has_half = True
+    learner.next_word += 1
+    return <uint32_t>learner.words[learner.next_word - 1]
+
+
+cdef inline void step(Learner learner, uint32_t action) noexcept nogil:
+    """One primitive step of the agent with its update."""
+    cdef uint32_t state = learner.here, successor = learner.dynamics.successors[4 * state + action]
+    learner.last_exit[state] = action
+    learner.taken_actions[4 * state + action] = 1
+    update(learner, learner.values, learner.best, learner.greedy, learner.alpha, learner.gamma,
+           state, action, successor, learner.goal)
+    learner.here = successor
+    learner.taken += 1
+
+
+cdef class Learner:
+    """Learns one task in one world, episode by episode.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    goal : int
+        State at which an episode ends with reward 1.
+    bit_generator : numpy.random.BitGenerator
+        Source of all randomness; its 64-bit words are used in order.
+    alpha, gamma : float
+        Learning rate and discount.
+    epsilon : float
+        Probability of a uniformly random action in `explore`.
+    max_steps : int
+        Steps after which an episode is truncated.
+    initial_q : float array, shape (n_states, 4), optional
+        Starts from these values instead of zero.
+    shortcut : bool
+        Take two steps at a time where Q is zero all around; the law is the same without.
+    """
+
+    def __init__(self, Dynamics dynamics not None, goal, bit_generator, *, alpha=0.05, gamma=0.95, epsilon=0.1,
+                 max_steps=10**7, initial_q=None, shortcut=True):
+        cdef int n = dynamics.n_states
+        cdef uint32_t state
+        if not 0 <= goal < n:
+            raise ValueError(f"goal {goal} is not a state")
+        self.dynamics = dynamics
+        self.alpha, self.gamma = alpha, gamma
+        self.epsilon = threshold(check_probability("epsilon", epsilon))
+        self.max_steps = max_steps
+        self.shortcut = shortcut
+        self._generator = bit_generator
+        self.generator = <bitgen_t*>PyCapsule_GetPointer(bit_generator.capsule, "BitGenerator")
+        self.next_word = 256
+
+        values = np.zeros((n, 4))
+        best, greedy = np.zeros(n), np.full(n, ALL_ACTIONS, dtype=np.uint8)
+        moves = dynamics.fresh_moves.copy()
+        cold, informed = np.empty(n, dtype=np.uint8), np.zeros(n, dtype=np.uint8)
+        taken_actions, last_exit = np.zeros((n, 4), dtype=np.uint8), np.zeros(n, dtype=np.uint8)
+        informed_states = np.empty(n, dtype=np.uint32)
+        self._keep = (values, best, greedy, moves, cold, informed, taken_actions, last_exit, informed_states)
+        self.values, self.best = pointer_double(values), pointer_double(best)
+        self.greedy, self.moves = pointer8(greedy), pointer32(moves)
+        self.cold, self.informed = pointer8(cold), pointer8(informed)
+        self.taken_actions, self.last_exit = pointer8(taken_actions), pointer8(last_exit)
+        self.informed_states = pointer32(informed_states)
+
+        self.n_informed = 0
+        self.forget(goal)
+        if initial_q is not None:
+            values[...] = initial_q
+            for state in range(n):
+                self.refresh(state)
+        self.enter(goal)
+
+    # -- what the methods call ----------------------------------------------------------------------------------
+
+    def begin_episode(self, int start):
+        """Put the agent on a state and its step count to zero."""
+        if not 0 <= start < self.dynamics.n_states:
+            raise ValueError(f"start {start} is not a state")
+        self.enter(start)
+
+    def explore(self, budget=None, epsilon=None):
+        """Act epsilon-greedily until the goal, the episode's step limit, or ``budget`` primitive steps from here."""
+        cdef int64_t limit = NO_LIMIT if budget is None else budget
+        cdef uint64_t chance = self.epsilon
+        if epsilon is not None:
+            chance = threshold(check_probability("epsilon", epsilon))
+        with nogil:
+            self.run_greedily(limit, chance)
+
+    def follow(self, policy, int subgoal):
+        """Follow a policy until its subgoal, a state where it is undefined, the goal or the episode's step limit.
+
+        Parameters
+        ----------
+        policy : int8 array, shape (n_states,)
+            Action of each state, -1 where undefined.
+        subgoal : int
+            State that ends the guidance.
+        """
+        cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
+        with nogil:
+            self.run_policy(&actions[0], subgoal)
+
+    def reuse(self, policy, double psi=1.0, double decay=0.95):
+        """Pi-reuse until the goal or the episode's step limit (Fernandez and Veloso).
+
+        In step h the past policy is followed with probability psi_h; otherwise, and where it is undefined (our
+        choice), the new policy acts, greedily with probability 1 - psi_h and at random with psi_h.
+
+        Parameters
+        ----------
+        policy : int8 array, shape (n_states,)
+            Action of the past policy in each state, -1 where it says nothing.
+        psi, decay : float
+            psi_1, and the factor from psi_h to psi_{h+1}.
+        """
+        cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
+        check_probability("psi", psi)
+        if not 0 <= decay < 1:
+            raise ValueError(f"decay must lie in [0, 1), not {decay}")
+        with nogil:
+            self.run_reuse(&actions[0], psi, decay)
+
+    # -- what can be asked --------------------------------------------------------------------------------------
+
+    @property
+    def state(self):
+        """State of the agent."""
+        return self.here
+
+    @property
+    def steps(self):
+        """Primitive steps of this episode so far."""
+        return self.taken
+
+    @property
+    def at_goal(self):
+        """Whether the episode has ended at the goal."""
+        return self.here == self.goal
+
+    @property
+    def truncated(self):
+        """Whether the episode has run into its step limit before the goal."""
+        return self.here != self.goal and self.taken >= self.max_steps
+
+    @property
+    def q(self):
+        """Copy of the action values, float64 array (n_states, 4)."""
+        return self._keep[0].copy()
+
+    @property
+    def seen(self):
+        """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
+        return np.packbits(self._keep[6], axis=1, bitorder="little")[:, 0].copy()
+
+    def erased_path(self):
+        """States of this episode's path from its start to the present state, loops erased; int32 array (l + 1,).
+
+        On meeting a state again, everything since its first visit is dropped. What is left of a state is its last
+        exit, so the path is found by following the last exits from the start.
+        """
+        path = np.empty(self.dynamics.n_states, dtype=np.uint32)
+        length = self.erase_loops(pointer32(path))
+        return path[: length + 1].astype(np.int32)
+
+    # -- learning -----------------------------------------------------------------------------------------------
+
+    cdef void draw_words(self) noexcept nogil:
+        cdef int i
+        for i in range(256):
+            self.words[i] = self.generator.next_uint64(self.generator.state)
+        self.next_word = 0
+
+    cdef void enter(self, uint32_t start) noexcept nogil:
+        self.start = self.here = start
+        self.taken = 0
+
+    cdef void forget(self, uint32_t goal) noexcept nogil:
+        """Start a new task from Q = 0; random numbers go on."""
+        cdef int i, n = self.dynamics.n_states
+        cdef uint32_t state
+        for i in range(self.n_informed):
+            state = self.informed_states[i]
+            memset(&self.values[4 * state], 0, 4 * sizeof(double))
+            self.best[state] = 0.0
+            self.greedy[state] = ALL_ACTIONS
+            self.informed[state] = 0
+            self.fill_moves(state)
+        self.n_informed = 0
+        memset(self.taken_actions, 0, 4 * n)
+        memset(self.cold, self.shortcut, n)
+        self.goal = goal
+        self.warm_up(goal)
+
+    cdef void warm_up(self, uint32_t state) noexcept nogil:
+        """No state within two steps before this one is cold any more."""
+        cdef uint32_t i, j, one
+        cdef uint32_t* first = self.dynamics.first_predecessor
+        cdef uint32_t* before = self.dynamics.predecessors
+        self.cold[state] = 0
+        for i in range(first[state], first[state + 1]):
+            one = before[i]
+            self.cold[one] = 0
+            for j in range(first[one], first[one + 1]):
+                self.cold[before[j]] = 0
+
+    cdef void fill_moves(self, uint32_t state) noexcept nogil:
+        """Rewrite the greedy slots of a state (its uniform slots never change) after its set of greedy actions has changed."""
+        cdef int slot, action
+        for slot in range(GREEDY_SLOTS):
+            action = TIED_ACTION[self.greedy[state]][slot]
+            self.moves[SLOTS * state + slot] = self.moves[SLOTS * state + GREEDY_SLOTS + action]
+
+    cdef void refresh(self, uint32_t state) noexcept nogil:
+        """Find the best value and the greedy actions of a state anew (exact equality makes a tie)."""
+        cdef double* q = &self.values[4 * state]
+        cdef double best = q[0]
+        cdef uint8_t greedy
+        cdef int action
+        for action in range(1, 4):
+            if q[action] > best:
+                best = q[action]
+        greedy = (q[0] == best) | (q[1] == best) << 1 | (q[2] == best) << 2 | (q[3] == best) << 3
+        self.best[state] = best
+        if greedy != self.greedy[state]:
+            self.greedy[state] = greedy
+            self.fill_moves(state)
+        if not self.informed[state] and (q[0] != 0 or q[1] != 0 or q[2] != 0 or q[3] != 0):
+            self.informed[state] = 1
+            self.informed_states[self.n_informed] = state
+            self.n_informed += 1
+            self.warm_up(state)
+
+    # -- episodes -----------------------------------------------------------------------------------------------
+
+    cdef void run_greedily(self, int64_t budget, uint64_t epsilon) noexcept nogil:
+        cdef:
+            uint32_t* moves = self.moves
+            uint32_t* jumps = self.dynamics.jumps
+            uint32_t* successors = self.dynamics.successors
+            double* values = self.values
+            double* best = self.best
+            uint8_t* greedy = self.greedy
+            uint8_t* cold = self.cold
+            uint8_t* taken_actions = self.taken_actions
+            uint8_t* last_exit = self.last_exit
+            double alpha = self.alpha, gamma = self.gamma
+            uint32_t goal = self.goal, state = self.here, half = self.half
+            bint has_half = self.has_half
+            int64_t limit = min(budget, self.max_steps - self.taken), left = limit
+            uint32_t action, middle, move, slot
+            uint64_t word, product
+            int group
+
+        while left > 0 and state != goal:
+            if left >= 2 and cold[state]:
+                if self.next_word == 256:
+                    self.draw_words()
+                word = self.words[self.next_word]
+                self.next_word += 1
+                for group in range(16):
+                    slot = word & 15
+                    word >>= 4
+                    action = slot & 3
+                    middle = successors[4 * state + action]
+                    last_exit[state] = action
+                    taken_actions[4 * state + action] = 1
+                    action = slot >> 2
+                    last_exit[middle] = action
+                    taken_actions[4 * middle + action] = 1
+                    state = jumps[SLOTS * state + slot] // SLOTS
+                    left -= 2
+                    if left < 2 or not cold[state]:
+                        break
+                continue
+
+            if has_half:
+                product = <uint64_t>half * GREEDY_SLOTS
+                has_half = False
+            else:
+                if self.next_word == 256:
+                    self.draw_words()
+                word = self.words[self.next_word]
+                self.next_word += 1
+                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+                half = word >> 32
+                has_half = True
+            slot = product >> 32
+            if <uint32_t>product < epsilon:
+                slot = GREEDY_SLOTS + (slot & 3)
+            move = moves[SLOTS * state + slot]
+            action = move & 3
+            last_exit[state] = action
+            taken_actions[4 * state + action] = 1
+            update(self, values, best, greedy, alpha, gamma, state, action, move // SLOTS, goal)
+            state = move // SLOTS
+            left -= 1
+
+        self.here = state
+        self.half, self.has_half = half, has_half
+        self.taken += limit - left if limit > 0 else 0
+
+    cdef void run_policy(self, const signed char* policy, uint32_t subgoal) noexcept nogil:
+        while (self.here != subgoal and self.here != self.goal and self.taken < self.max_steps
+               and policy[self.here] >= 0):
+            step(self, policy[self.here])
+
+    cdef void run_reuse(self, const signed char* policy, double psi, double decay) noexcept nogil:
+        cdef uint64_t chance = threshold(psi), product
+        cdef uint32_t slot
+        while chance > 0 and self.here != self.goal and self.taken < self.max_steps:
+            if draw(self) < chance and policy[self.here] >= 0:
+                step(self, policy[self.here])
+            else:
+                product = <uint64_t>draw(self) * GREEDY_SLOTS
+                slot = product >> 32
+                if <uint32_t>product < chance:
+                    slot = GREEDY_SLOTS + (slot & 3)
+                step(self, self.moves[SLOTS * self.here + slot] & 3)
+            psi *= decay
+            chance = threshold(psi)
+        self.run_greedily(NO_LIMIT, 0)
+
+    cdef int erase_loops(self, uint32_t* path) noexcept nogil:
+        """Write the loop-erased path of this episode; return its length in steps."""
+        cdef uint32_t state = self.start
+        cdef int length = 0
+        path[0] = state
+        while state != self.here:
+            state = self.dynamics.successors[4 * state + self.last_exit[state]]
+            length += 1
+            path[length] = state
+        return length
+
+
+def check_probability(name, value):
+    """Return a probability, or raise ValueError naming it."""
+    if not 0 <= value <= 1:
+        raise ValueError(f"{name} must lie in [0, 1], not {value}")
+    return value
+
+
+def checked_policy(policy, n_states):
+    """Return a policy as an int8 array (n_states,), or raise ValueError."""
+    policy = np.ascontiguousarray(policy, dtype=np.int8)
+    if policy.shape != (n_states,) or policy.min() < -1 or policy.max() > 3:
+        raise ValueError("a policy needs one action from -1 to 3 for each state")
+    return policy

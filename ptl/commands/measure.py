@@ -1,0 +1,57 @@
+"""``ptl measure``: per-seed measures, steps per episode and subgoals of the learning files of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command("measure")
+@click.argument("files", nargs=-1, type=FILE)
+@click.option("--files-from", type=FILE, help="Text file that names more learning files, one on each line.")
+@click.option("--output-per-seed", required=True, type=FILE, help="CSV of the measures of every seed.")
+@click.option("--output-steps", type=FILE, help="HDF5 of the steps per episode.")
+@click.option("--output-subgoals", type=FILE, help="CSV of the subgoals found.")
+@click.option("--window", required=True, type=click.IntRange(min=1), help="Episodes of a moving mean.")
+@click.option(
+    "--threshold-factor",
+    required=True,
+    type=click.FloatRange(min=1),
+    help="The threshold is this many times the shortest path.",
+)
+def command(
+    files: tuple[Path, ...],
+    files_from: Path | None,
+    output_per_seed: Path,
+    output_steps: Path | None,
+    output_subgoals: Path | None,
+    window: int,
+    threshold_factor: float,
+) -> None:
+    """Measure the learning FILES of a run.
+
+    Environments and methods keep the order in which they first appear among FILES.
+    """
+    from ptl.files import write_csv
+    from ptl.measures import measure_files, write_steps
+
+    paths = [*files, *(_read_list(files_from) if files_from else [])]
+    measurements = measure_files(paths, window, threshold_factor)
+    write_csv(measurements.per_seed, output_per_seed)
+    if output_subgoals:
+        write_csv(measurements.subgoals, output_subgoals)
+    if output_steps:
+        write_steps(output_steps, measurements)
+
+
+def _read_list(path: Path) -> list[Path]:
+    from ptl.errors import UserError
+
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot be read as a list of files ({error}); check --files-from") from error
+    return [Path(line.strip()) for line in lines if line.strip()]

@@ -1,0 +1,155 @@
+"""Drawing maps: crisp cells, walls, letters, heat and rings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.patheffects import withStroke
+
+from ptl.figures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.collections import QuadMesh
+
+    from ptl.gridworld import GridWorld
+
+POINTS_PER_INCH = 72
+LARGEST_CELL = 0.42
+"""Largest side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
+
+
+def _paint(axes: Axes, values: np.ndarray, **look: object) -> QuadMesh:
+    rows, columns = values.shape
+    edges = np.arange(columns + 1) - 0.5, np.arange(rows + 1) - 0.5
+    return axes.pcolormesh(*edges, values, shading="flat", **look)
+
+
+def draw_world(axes: Axes, world: GridWorld, ticks: bool = False) -> None:
+    """Draw the walls of a map and set the axes to its cells, row 0 on top.
+
+    Parameters
+    ----------
+    axes : matplotlib.axes.Axes
+    world : GridWorld
+    ticks : bool
+        Number rows and columns (counted from 0, as in the CSV files).
+    """
+    rows, columns = world.shape
+    walls = np.ma.masked_where(~world.walls, np.ones(world.shape))
+    # edgecolor="face" closes the hairlines that viewers of SVG files leave between neighbouring cells
+    _paint(axes, walls, cmap=ListedColormap([style.WALL]), edgecolor="face", linewidth=0.15, zorder=2)
+    axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), aspect="equal", facecolor=style.FLOOR)
+    axes.grid(False)
+    axes.spines[:].set_visible(False)
+    if ticks:
+        axes.set_xticks(range(0, columns, 5))
+        axes.set_yticks(range(0, rows, 5))
+        axes.tick_params(length=3, labelsize=12, labelcolor=style.MUTED)
+        axes.set_xlabel("column", fontsize=13, color=style.MUTED)
+        axes.set_ylabel("row", fontsize=13, color=style.MUTED)
+    else:
+        axes.set_xticks([])
+        axes.set_yticks([])
+
+
+def draw_floor(axes: Axes, world: GridWorld) -> None:
+    """Draw the outline of every free cell, so that steps can be counted."""
+    floor = np.ma.masked_where(world.walls, np.ones(world.shape))
+    _paint(axes, floor, cmap=ListedColormap([style.FLOOR]), edgecolor=style.RULE, linewidth=0.7, zorder=1)
+
+
+def draw_heat(axes: Axes, world: GridWorld, values: np.ndarray, norm: Normalize) -> QuadMesh:
+    """Colour the free cells by a value per state, array (n_states,); give the result to a colour bar."""
+    grid = np.ma.masked_invalid(world.to_grid(values))
+    return _paint(axes, grid, cmap=style.HEAT, norm=norm, edgecolor="face", linewidth=0.15, zorder=1)
+
+
+def draw_places(
+    axes: Axes, world: GridWorld, cell: float, goals: Iterable[str] | None = None, filled: bool = False
+) -> None:
+    """Letter the start and goals.
+
+    Parameters
+    ----------
+    axes, world
+        Where and what.
+    cell : float
+        Side of a drawn cell in inches, for the size of the letters.
+    goals : iterable of str, optional
+        Goals to name; all goals of the map when left out.
+    filled : bool
+        Fill the cells with colour and write on it (for plain maps); otherwise write with a white rim
+        (for heat maps, whose colours must stay visible).
+    """
+    named = [("I", world.start, style.START)]
+    named += [(letter, world.goal(letter), style.GOAL) for letter in (world.goals if goals is None else goals)]
+    size = float(np.clip(0.85 * cell * POINTS_PER_INCH, 10, 17))
+    for letter, state, colour in named:
+        row, column = world.cells[state]
+        if filled:
+            axes.text(
+                column, row, letter, ha="center", va="center_baseline", fontsize=max(size, 12), fontweight="bold",
+                color="white", zorder=6,
+                bbox={"boxstyle": "round,pad=0.16,rounding_size=0.15", "facecolor": colour, "edgecolor": "none"},
+            )  # fmt: skip
+        else:
+            rim = withStroke(linewidth=max(2.5, size / 4.5), foreground="white")
+            axes.text(
+                column, row, letter, ha="center", va="center_baseline", fontsize=size, fontweight="bold",
+                color=style.INK, zorder=6, path_effects=[rim],
+            )  # fmt: skip
+
+
+def draw_rings(axes: Axes, world: GridWorld, states: Sequence[int], sizes: Sequence[float]) -> None:
+    """Draw white rings with a dark rim around states; ``sizes`` are diameters in points."""
+    if len(states) == 0:
+        return
+    row, column = world.cells[np.asarray(states)].T
+    areas = np.square(np.asarray(sizes, dtype=float))
+    axes.scatter(column, row, s=areas, facecolors="none", edgecolors=style.INK, linewidths=4.2, zorder=4)
+    axes.scatter(column, row, s=areas, facecolors="none", edgecolors="white", linewidths=2.0, zorder=5)
+
+
+def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float:
+    """Side in inches of a cell when the map fills a box of this size, at most `LARGEST_CELL`."""
+    rows, columns = world.shape
+    return min(width / columns, height / rows, LARGEST_CELL)
+
+
+def pack(shapes: Sequence[tuple[int, int]], target: float = 1.9) -> list[list[int]]:
+    """Arrange maps in rows of panels, in order, so that the whole comes close to the shape of a slide.
+
+    All maps in a row get the same height and a row fills the width, as in a wall of photographs.
+
+    Parameters
+    ----------
+    shapes : sequence of (rows, columns)
+    target : float
+        Wanted ratio of width to height.
+
+    Returns
+    -------
+    list of list of int
+        For each row of panels the indices of its maps.
+    """
+    aspects = [columns / rows for rows, columns in shapes]
+    n = len(aspects)
+    best: tuple[float, list[list[int]]] | None = None
+    for breaks in range(1 << (n - 1)):
+        rows: list[list[int]] = [[0]]
+        for index in range(1, n):
+            if breaks >> (index - 1) & 1:
+                rows.append([index])
+            else:
+                rows[-1].append(index)
+        height = sum(1 / sum(aspects[i] for i in row) for row in rows)
+        miss = abs(math.log(target * height))
+        if best is None or miss < best[0] - 1e-12:
+            best = miss, rows
+    assert best is not None
+    return best[1]

@@ -1,0 +1,152 @@
+"""Figure 13: what jump start, asymptotic performance and time to threshold are, on real curves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ptl.errors import UserError
+from ptl.figures import style
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ptl.figures.steps import StepsFile
+
+BASE = "no_transfer"
+DIMENSION_STEP = 1.75
+"""Ratio of the heights of two dimension lines on the log scale."""
+GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
+
+
+def trailing_mean(values: np.ndarray, window: int) -> np.ndarray:
+    """Mean of the last ``window`` values at every place, NaN where there are fewer yet; arrays (points,)."""
+    sums = np.cumsum(np.concatenate([[0.0], values]))
+    means = np.full(len(values), np.nan)
+    means[window - 1 :] = (sums[window:] - sums[:-window]) / window
+    return means
+
+
+def measures(
+    steps: StepsFile,
+    environment: str,
+    task: str,
+    methods: Sequence[str],
+    shortest_path: int,
+    window: int,
+    threshold_factor: float,
+) -> pd.DataFrame:
+    """The mean curve of two methods and the three measures of these curves.
+
+    Measures of the tables are means of per-seed measures; those here are measures of the mean curve, because that is
+    what can be seen in the picture. The jump start is the same in both.
+
+    Returns
+    -------
+    DataFrame
+        Columns environment, task, method, episode, mean, trailing_mean (of ``window`` episodes), and, the same in all
+        rows of a method, jump_start, asymptotic, threshold (steps) and threshold_episode (empty: not reached).
+    """
+    threshold = threshold_factor * shortest_path
+    curves = {method: steps.steps(environment, method, task).mean(axis=0) for method in methods}
+    parts = []
+    for method, mean in curves.items():
+        if len(mean) <= window:
+            raise UserError(
+                f"{steps.path}: {len(mean)} episodes are too few for a window of {window}; learn for more episodes"
+            )
+        trailing = trailing_mean(mean, window)
+        below = np.flatnonzero(trailing <= threshold)
+        part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "trailing_mean": trailing})
+        for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
+            part.insert(place, name, value)
+        parts.append(
+            part.assign(
+                jump_start=curves[methods[0]][0] - mean[0],
+                asymptotic=trailing[-1],
+                threshold=threshold,
+                threshold_episode=below[0] + 1 if below.size else np.nan,
+                window=window,
+            )
+        )
+    return pd.concat(parts, ignore_index=True)
+
+
+@style.styled
+def draw(frame: pd.DataFrame, title: str) -> Figure:
+    """Thin: mean steps per episode. Thick: mean of the last episodes, of which two measures are made."""
+    figure = style.new_figure(style.SLIDE_WIDTH * 0.86, 6.6)
+    axes = figure.add_subplot()
+    episodes, window = int(frame["episode"].max()), int(frame["window"].iloc[0])
+    firsts = []
+    for method, curve in frame.groupby("method", sort=False):
+        colour, label = style.method_look(str(method))
+        axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.0, alpha=0.55)
+        axes.plot(curve["episode"], curve["trailing_mean"], color=colour, linewidth=3.4, label=label)
+        axes.plot(1, curve["mean"].iloc[0], "o", color=colour, markersize=9, zorder=5, clip_on=False)
+        firsts.append(float(curve["mean"].iloc[0]))
+    axes.set_yscale("log")
+    axes.set_xlim(-0.025 * episodes, episodes * 1.01)
+    axes.set(xlabel="episode", ylabel=f"steps per episode, and mean of the last {window}")
+    axes.set_title(title)
+    _jump_start(axes, firsts, episodes)
+    _threshold(axes, frame, episodes)
+    _asymptotic(axes, frame, episodes, window)
+    axes.legend(loc="upper right")
+    return figure
+
+
+def _jump_start(axes: Axes, firsts: list[float], episodes: int) -> None:
+    """Arrow between the first episodes."""
+    arrow = {"arrowstyle": "<->", "color": style.INK, "linewidth": 1.8, "shrinkA": 7, "shrinkB": 7}
+    axes.annotate("", (1, firsts[1]), (1, firsts[0]), arrowprops=arrow)
+    middle = float(np.sqrt(firsts[0] * firsts[1]))
+    # the curves fall away from here, so the words need ground to stand on
+    axes.text(0.015 * episodes, middle, "jump start", va="center", fontsize=17, zorder=6, bbox=GROUND)
+
+
+def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
+    """Level of the threshold, the way down from where each curve meets it, and how far that is from the start."""
+    level = float(frame["threshold"].iloc[0])
+    axes.axhline(level, color=style.INK, linewidth=1.3, linestyle=(0, (4, 3)), zorder=1)
+    lowest = min(level, float(frame["mean"].min()))
+    methods = list(dict.fromkeys(frame["method"]))
+    axes.set_ylim(bottom=lowest / DIMENSION_STEP ** (len(methods) + 0.8))
+    for number, method in enumerate(methods, start=1):
+        row = frame[frame["method"] == method].iloc[0]
+        colour, _ = style.method_look(method)
+        height = lowest / DIMENSION_STEP ** (len(methods) + 1 - number)
+        if np.isnan(row["threshold_episode"]):
+            axes.text(0, height, "threshold not reached", color=colour, va="center", fontsize=15)
+            continue
+        episode = float(row["threshold_episode"])
+        axes.plot([episode, episode], [level, height], color=colour, linewidth=1.6, zorder=2)
+        axes.plot(episode, level, "o", color=colour, markersize=9, zorder=5)
+        arrow = {"arrowstyle": "<->", "color": colour, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (episode, height), (0, height), arrowprops=arrow)
+        words = f"time to threshold: episode {episode:.0f}"
+        if episode < 0.55 * episodes:
+            axes.text(episode + 0.012 * episodes, height, words, color=colour, va="center", fontsize=15)
+        else:
+            axes.text(episode / 2, height * 1.06, words, color=colour, ha="center", va="bottom", fontsize=15)
+    axes.text(episodes, level, f"threshold, {level:g} steps", ha="right", va="bottom", fontsize=15, zorder=6, bbox=GROUND)
+
+
+def _asymptotic(axes: Axes, frame: pd.DataFrame, episodes: int, window: int) -> None:
+    """The last episodes and where each curve ends."""
+    ends = frame[frame["episode"] == episodes]
+    axes.axvspan(episodes - window + 0.5, episodes + 0.5, color=style.RULE, alpha=0.7, linewidth=0, zorder=0)
+    for method, end in zip(ends["method"], ends["asymptotic"], strict=True):
+        colour, _ = style.method_look(method)
+        axes.plot(episodes, end, "s", color=colour, markersize=9, zorder=6, clip_on=False)
+    top = float(ends["asymptotic"].max())
+    axes.annotate(
+        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2, top * 1.25),
+        (0.985, 0.62), textcoords="axes fraction", ha="right", va="center", fontsize=17,
+        arrowprops={"arrowstyle": "->", "color": style.INK, "linewidth": 1.8},
+    )  # fmt: skip

@@ -1,0 +1,136 @@
+"""The common look of the figures, and how they are written."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+
+from ptl.errors import UserError
+from ptl.files import atomic_path, write_csv
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+PNG_RESOLUTION = 200
+"""Dots per inch of the PNG files."""
+
+SLIDE_WIDTH = 13.3
+"""Width in inches of a figure that fills a 16:9 slide; the text sizes below are chosen for it."""
+
+INK = "#22262b"
+MUTED = "#6b7178"
+RULE = "#d9dce0"
+WALL = "#3b4149"
+FLOOR = "#ffffff"
+START = "#0f7f8c"
+GOAL = "#b3361e"
+ACCENT = "#0f7f8c"
+CONTRAST = "#c2571a"
+"""Colours that are not those of a method (methods carry their own): text, lines, map cells and emphasis."""
+
+# The light end of the map must be paper and the dark end must not be taken for a wall, so black is left out.
+HEAT = ListedColormap(mpl.colormaps["magma_r"](range(0, 216)), name="ptl_heat")
+"""Perceptually uniform, colour-blind-safe colour map, from near white (nothing) to deep purple (much)."""
+
+PARAMETERS = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so figures are the same on every machine
+    "font.size": 15,
+    "text.color": INK,
+    "axes.titlesize": 17,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.titlepad": 9,
+    "axes.labelsize": 16,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 1.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": RULE,
+    "grid.linewidth": 0.8,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 14,
+    "ytick.labelsize": 14,
+    "lines.linewidth": 2.4,
+    "lines.solid_capstyle": "round",
+    "legend.fontsize": 15,
+    "legend.frameon": False,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "savefig.bbox": None,
+    "svg.hashsalt": "ptl",
+    "svg.fonttype": "path",
+}
+"""Settings of matplotlib under which every figure is drawn and written."""
+
+_P = ParamSpec("_P")
+_R = TypeVar("_R")
+
+
+def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
+    """Run a drawing function under `PARAMETERS`, whatever settings the caller's matplotlib has."""
+
+    @wraps(draw)
+    def wrapper(*args: _P.args, **kwargs: _P.kwargs) -> _R:
+        with mpl.rc_context():
+            mpl.rcdefaults()
+            mpl.rcParams.update(PARAMETERS)
+            return draw(*args, **kwargs)
+
+    return wrapper
+
+
+def new_figure(width: float, height: float, layout: str = "constrained") -> Figure:
+    """An empty figure of this size in inches, without pyplot and its global state."""
+    figure = Figure(figsize=(width, height), layout=layout)
+    if layout in ("constrained", "compressed"):
+        figure.get_layout_engine().set(w_pad=0.09, h_pad=0.09, wspace=0.03, hspace=0.03)
+    return figure
+
+
+@styled
+def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:
+    """Write a figure as PNG and SVG and the numbers it shows as CSV, all three with the same name.
+
+    The files carry no date and no version, so the same inputs give the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib.figure.Figure
+    frame : pandas.DataFrame
+        The plotted numbers, tidy.
+    path : path
+        Name of the PNG file; the twins get the suffixes ``.svg`` and ``.csv``.
+
+    Raises
+    ------
+    UserError
+        When the name does not end in ``.png`` or a file cannot be written.
+    """
+    path = Path(path)
+    if path.suffix != ".png":
+        raise UserError(f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png")
+    with atomic_path(path) as png, atomic_path(path.with_suffix(".svg")) as svg:
+        figure.savefig(png, dpi=PNG_RESOLUTION, metadata={"Software": None})
+        figure.savefig(svg, metadata={"Date": None, "Creator": None})
+        write_csv(frame, path.with_suffix(".csv"))
+
+
+def method_look(identifier: str) -> tuple[str, str]:
+    """Colour and label of a method, the same in every figure (they are attributes of the method itself)."""
+    from ptl.methods import load
+
+    method = load(identifier)
+    return method.colour, method.label

@@ -1,0 +1,53 @@
+"""What every method is: three calls around the episodes of a task."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from ptl.gridworld import GridWorld
+from ptl.parameters import Parameters
+from ptl.skills import SkillLibrary
+
+if TYPE_CHECKING:
+    from ptl._kernel import Learner
+
+
+class BaseMethod:
+    """One learner's life under one method; the state that passes from task to task lives in the instance.
+
+    Parameters
+    ----------
+    world : GridWorld
+    parameters : Parameters
+    random : numpy.random.Generator
+        For the method's own choices; the steps of the agent draw from another stream.
+
+    Attributes
+    ----------
+    label, colour : str
+        How tables and figures show the method (colour as ``#rrggbb``).
+    library : SkillLibrary or None
+        The skill library if the method keeps one; it is updated after each task.
+    """
+
+    label: ClassVar[str]
+    colour: ClassVar[str]
+
+    def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
+        self.world = world
+        self.parameters = parameters
+        self.random = random
+        self.library: SkillLibrary | None = None
+
+    def begin_task(self, start: int, goal: int) -> np.ndarray | None:
+        """Prepare for a new task; return initial action values (n_states, 4), or None for zero."""
+        return None
+
+    def run_episode(self, learner: Learner) -> list[int]:
+        """Bring the agent from the start to the goal; return the skills or arms drawn, in order."""
+        raise NotImplementedError
+
+    def end_task(self, q: np.ndarray) -> None:
+        """Keep what later tasks need; ``q`` holds the final action values (n_states, 4)."""

@@ -1,0 +1,71 @@
+"""Partial transfer learning with a skill library: the article's method, goal known."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ptl._kernel import Learner
+from ptl.gridworld import GridWorld
+from ptl.methods._base import BaseMethod
+from ptl.parameters import Parameters
+from ptl.selection import SkillSelection, prior
+from ptl.skills import SkillLibrary
+
+NULL_SKILL = 0
+"""Candidate without guidance, whose subgoal is the start state (our choice); library skill i is candidate i + 1."""
+
+
+class Method(BaseMethod):
+    """Follows a drawn skill to its subgoal, then explores; draws again when patience runs out.
+
+    That skills are drawn with probability proportional to P(C|s_i, g) P(s_i|g) is stated by the article; the null
+    skill, patience and repeated drawing are our choice.
+    """
+
+    label = "PTL"
+    colour = "#0072b2"
+
+    def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
+        super().__init__(world, parameters, random)
+        subgoals = parameters.subgoals
+        self.library: SkillLibrary = SkillLibrary(subgoals.novelty, subgoals.threshold)
+
+    def begin_task(self, start: int, goal: int) -> np.ndarray | None:
+        skills = self.parameters.skills
+        self.candidates = [start, *self.library.subgoals]
+        chances = self.prior(goal)
+        if not skills.null_skill and len(self.library):
+            chances[NULL_SKILL] = 0.0
+            chances /= chances.sum()
+        self.selection = SkillSelection(chances, skills.likelihood_exponent, skills.likelihood_weight)
+        return None
+
+    def run_episode(self, learner: Learner) -> list[int]:
+        skills = self.parameters.skills
+        reselect = skills.skill_use == "reselect"
+        patience = skills.patience * self.world.n_states
+        used = []
+        while True:
+            skill = self.draw_skill()
+            used.append(skill)
+            if skill != NULL_SKILL:
+                guide = self.library.skills[skill - 1]
+                learner.follow(guide.policy, guide.subgoal)
+            learner.explore(budget=max(1, round(patience)) if reselect else None)
+            if learner.at_goal or learner.truncated:
+                break
+            patience *= skills.patience_growth
+        self.selection.record(used, learner.steps)
+        return used
+
+    def prior(self, goal: int) -> np.ndarray:
+        """P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
+        skills = self.parameters.skills
+        world = self.world
+        return prior(
+            world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width
+        )
+
+    def draw_skill(self) -> int:
+        """Candidate to use next."""
+        return self.selection.draw(self.random)

@@ -1,0 +1,51 @@
+"""Builds the compiled parts of ptl; everything else is declared in pyproject.toml."""
+
+import hashlib
+from pathlib import Path
+
+import numpy
+from Cython.Build import cythonize
+from setuptools import Extension, setup
+from setuptools.command.build_ext import build_ext
+from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformError
+
+# Sources of each extension, the .pyx first. ptl/provenance.py compares the digest with the sources that lie there.
+SOURCES = {
+    "ptl._kernel": ["ptl/_kernel.pyx", "ptl/_kernel.pxd"],
+    "ptl._graph": ["ptl/_graph.pyx"],
+}
+
+
+def digest(paths: list[str]) -> str:
+    return hashlib.sha256(b"".join(Path(path).read_bytes() for path in paths)).hexdigest()
+
+
+class BuildWithAdvice(build_ext):
+    """Says in one sentence what is missing when there is no C compiler."""
+
+    def build_extension(self, ext: Extension) -> None:
+        try:
+            super().build_extension(ext)
+        except (CCompilerError, CompileError, ExecError, PlatformError) as error:
+            raise SystemExit(
+                f"error: {ext.name} could not be compiled: ptl needs a C compiler and the Python headers"
+                f" (on Debian or Ubuntu: apt-get install build-essential python3-dev). Cause: {error}"
+            ) from None
+
+
+extensions = [
+    Extension(
+        name,
+        sources[:1],
+        include_dirs=[numpy.get_include()],
+        define_macros=[
+            ("PTL_SOURCE_DIGEST", f'"{digest(sources)}"'),
+            ("NPY_NO_DEPRECATED_API", "NPY_1_7_API_VERSION"),
+        ],
+        # The same bits on every machine: no contraction to fused operations, nothing native.
+        extra_compile_args=["-O3", "-ffp-contract=off"],
+    )
+    for name, sources in SOURCES.items()
+]
+
+setup(ext_modules=cythonize(extensions), cmdclass={"build_ext": BuildWithAdvice})

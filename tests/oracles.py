@@ -1,0 +1,103 @@
+"""Exact values that learning on a map must agree with, computed from the transition table alone.
+
+``successors`` is always the (n, 4) table of next states.  Nothing here uses the package.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import shortest_path
+
+
+def distances(successors: np.ndarray) -> np.ndarray:
+    """Shortest path lengths in steps between all pairs, (n, n) float, ``inf`` where there is no path."""
+    n_states = len(successors)
+    before, after = np.repeat(np.arange(n_states), 4), np.asarray(successors).ravel()
+    moves = before != after
+    graph = csr_array((np.ones(moves.sum()), (before[moves], after[moves])), shape=(n_states, n_states))
+    return shortest_path(graph, directed=True, unweighted=True)
+
+
+def transition_matrix(successors: np.ndarray) -> np.ndarray:
+    """(n, n) transition probabilities of the walk that takes each of the four actions with probability 1/4."""
+    n_states = len(successors)
+    matrix = np.zeros((n_states, n_states))
+    np.add.at(matrix, (np.repeat(np.arange(n_states), 4), np.asarray(successors).ravel()), 0.25)
+    return matrix
+
+
+def transient_matrix(successors: np.ndarray, start: int, goal: int) -> tuple[np.ndarray, np.ndarray]:
+    """States the walk from ``start`` may visit before ``goal`` (start first), and the walk's matrix on them."""
+    reached = [start]
+    known = {start, goal}
+    for state in reached:
+        for after in np.asarray(successors)[state].tolist():
+            if after not in known:
+                known.add(after)
+                reached.append(after)
+    states = np.array(reached)
+    return states, transition_matrix(successors)[np.ix_(states, states)]
+
+
+def hitting_time(successors: np.ndarray, start: int, goal: int) -> tuple[float, float]:
+    """Mean and standard deviation, in steps, of the time the uniform random walk from start takes to the goal.
+
+    With Q the transient part of the walk, the mean solves (I - Q) m = 1 and the second moment
+    (I - Q) v = 1 + 2 Q m.
+    """
+    if start == goal:
+        return 0.0, 0.0
+    states, matrix = transient_matrix(successors, start, goal)
+    system = np.eye(len(states)) - matrix
+    mean = np.linalg.solve(system, np.ones(len(states)))
+    second = np.linalg.solve(system, 1.0 + 2.0 * matrix @ mean)
+    return float(mean[0]), float(np.sqrt(second[0] - mean[0] ** 2))
+
+
+def length_distribution(successors: np.ndarray, start: int, goal: int, longest: int) -> np.ndarray:
+    """P(walk reaches the goal at exactly step t) for t = 0..longest (start is not the goal)."""
+    states, matrix = transient_matrix(successors, start, goal)
+    into_goal = transition_matrix(successors)[states, goal]
+    present = np.zeros(len(states))
+    present[0] = 1.0
+    probabilities = np.zeros(longest + 1)
+    for step in range(1, longest + 1):
+        probabilities[step] = present @ into_goal
+        present = present @ matrix
+    return probabilities
+
+
+def erased_path_probability(successors: np.ndarray, path: np.ndarray) -> float:
+    """Probability that the loop-erased random walk from path[0] to path[-1] is exactly ``path``.
+
+    Lawler's product: at each state of the path in turn, the expected number of visits to it by the walk killed at the
+    goal and at the states before it on the path, times the probability of the step to the next state.
+    """
+    transitions = transition_matrix(successors)
+    path = np.asarray(path)
+    goal = int(path[-1])
+    removed = {goal}
+    probability = 1.0
+    for state, after in zip(path[:-1].tolist(), path[1:].tolist(), strict=True):
+        kept = [other for other in range(len(transitions)) if other not in removed and reaches(successors, other, goal)]
+        matrix = transitions[np.ix_(kept, kept)]
+        visits = np.linalg.solve(np.eye(len(kept)) - matrix, np.eye(len(kept))[:, kept.index(state)])
+        probability *= visits[kept.index(state)] * transitions[state, after]
+        removed.add(state)
+    return float(probability)
+
+
+def reaches(successors: np.ndarray, state: int, goal: int) -> bool:
+    """Whether some sequence of moves leads from the state to the goal."""
+    return state == goal or goal in reachable(successors, state)
+
+
+def reachable(successors: np.ndarray, state: int) -> set[int]:
+    found, waiting = {state}, [state]
+    while waiting:
+        for after in np.asarray(successors)[waiting.pop()].tolist():
+            if after not in found:
+                found.add(after)
+                waiting.append(after)
+    return found
