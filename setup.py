@@ -13,6 +13,7 @@ from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformE
 SOURCES = {
     "ptl._kernel": ["ptl/_kernel.pyx", "ptl/_kernel.pxd"],
     "ptl._graph": ["ptl/_graph.pyx"],
+    "ptl._survey": ["ptl/_survey.pyx", "ptl/_kernel.pyx", "ptl/_kernel.pxd"],
 }
 
 

@@ -22,9 +22,6 @@ from ptl.store import open_learning
 if TYPE_CHECKING:
     from ptl.store import LearningFile
 
-BASE_METHOD = "no_transfer"
-"""Jump start and transfer ratio compare with this method on the same environment, task and seed."""
-
 PER_SEED_COLUMNS = (
     "environment", "task", "method", "seed", "first_episode", "asymptotic", "threshold_episode",
     "total_steps", "jump_start", "transfer_ratio", "truncated",
@@ -145,7 +142,7 @@ class _Collection:
             if self.shortest.setdefault((file.environment, letter), shortest) != shortest:
                 raise UserError(
                     f"{path}: the shortest path of task {letter} is {shortest} steps, but other files of"
-                    f" environment {file.environment} have another map; delete the files learned on the old map"
+                    f" environment {file.environment} have another map; delete those learned on the old one"
                 )
             if file.library is not None:
                 self._add_subgoal(file, letter)
@@ -160,7 +157,7 @@ class _Collection:
 
 
 def measure_files(
-    paths: Iterable[str | Path], window: int, threshold_factor: float, base: str = BASE_METHOD
+    paths: Iterable[str | Path], window: int, threshold_factor: float, base: str = "no_transfer"
 ) -> Measurements:
     """Measure the learning files of a run, one open at a time.
 
@@ -174,7 +171,7 @@ def measure_files(
     threshold_factor : float
         The threshold is this many times the shortest path.
     base : str
-        Method that the others are compared with.
+        Method that the others are compared with, on the same environment, task and seed.
 
     Raises
     ------
@@ -229,7 +226,10 @@ def measure_files(
 
 
 def write_steps(path: str | Path, measurements: Measurements) -> None:
-    """Write the steps per episode: /<environment>/<method>/<task>, int64 (seeds, episodes), attribute seeds."""
+    """Write the steps per episode: /<environment>/<method>/<task>, int64 (seeds, episodes).
+
+    The root attribute ``seeds`` names the rows.
+    """
     import h5py
 
     with atomic_path(path) as temporary, h5py.File(temporary, "w") as file:
@@ -256,8 +256,8 @@ def _stack(
             if seed not in by_seed:
                 environment, method, task = key
                 raise UserError(
-                    f"environment {environment}, method {method}, task {task}: seed {seed} is missing although"
-                    " others have it; name its learning file too, or learn it"
+                    f"environment {environment}, method {method}, task {task}: seed {seed} is missing"
+                    " although others have it; name its learning file too, or learn it"
                 )
         arrays[key] = np.stack([by_seed[seed] for seed in seeds])
     return tuple(seeds), arrays

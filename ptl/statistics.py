@@ -29,7 +29,6 @@ import pandas as pd
 from scipy import stats
 
 from ptl.errors import UserError
-from ptl.measures import BASE_METHOD
 
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
@@ -238,7 +237,7 @@ def read_per_seed(path: str | Path) -> pd.DataFrame:
         ) from error
 
 
-def summarise(per_seed: pd.DataFrame, how: Resampling, base: str = BASE_METHOD) -> pd.DataFrame:
+def summarise(per_seed: pd.DataFrame, how: Resampling, base: str = "no_transfer") -> pd.DataFrame:
     """Estimates of every metric, one row for each environment, task, method and metric.
 
     Parameters
@@ -271,7 +270,7 @@ def summarise(per_seed: pd.DataFrame, how: Resampling, base: str = BASE_METHOD) 
             names = (str(environment), str(task), method)
             paired = None
             if reference is not None:
-                paired = _pair(part, reference, names)
+                paired = _pair(part, reference, names, base)
             for row in _method_rows(part, paired, reference, names, how, is_base=method == base):
                 rows.append(dict(zip(("environment", "task", "method"), names, strict=True)) | row)
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -291,13 +290,15 @@ def _check_per_seed(per_seed: pd.DataFrame) -> None:
         )
 
 
-def _pair(part: pd.DataFrame, reference: pd.DataFrame, names: tuple[str, str, str]) -> pd.DataFrame:
+def _pair(
+    part: pd.DataFrame, reference: pd.DataFrame, names: tuple[str, str, str], base: str
+) -> pd.DataFrame:
     unpaired = part.index.difference(reference.index)
     if len(unpaired):
         environment, task, method = names
         raise UserError(
-            f"per-seed table: environment {environment}, task {task}, method {method}, seed {unpaired[0]} has no"
-            f" run of the base method to be paired with; learn that seed with {BASE_METHOD} too"
+            f"per-seed table: environment {environment}, task {task}, method {method}, seed {unpaired[0]} has"
+            f" no run of {base} to be paired with; learn that seed with {base} too"
         )
     return reference.loc[part.index]
 

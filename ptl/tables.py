@@ -17,7 +17,6 @@ import pandas as pd
 
 from ptl.errors import UserError
 from ptl.files import write_csv, write_text
-from ptl.measures import BASE_METHOD
 from ptl.statistics import Better
 
 DASH = "–"
@@ -33,6 +32,7 @@ class Settings:
     threshold_factor: float
     confidence: float
     resamples: int
+    base: str = "no_transfer"
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ class Column:
     better : "lower" or "higher"
     format : function
         Number to text; it must not turn the order of two numbers round.
+    against_base : bool
+        Whether the measure is a comparison with the base, for which it is 0 by definition.
     with_share, with_improvement : bool
         Whether a column with the share of seeds that reached the threshold, or with the probability of
         improvement over the base, follows.
@@ -59,6 +61,7 @@ class Column:
     format: Callable[[float], str]
     with_share: bool = False
     with_improvement: bool = False
+    against_base: bool = False
 
     @property
     def width(self) -> int:
@@ -147,8 +150,10 @@ def _sign(text: str) -> str:
 # -- the model -----------------------------------------------------------------------------------------------
 
 TRANSFER_COLUMNS = (
-    Column("jump_start", "Jump start", "steps", "higher", count_text, with_improvement=True),
-    Column("jump_start_percent", "Jump start", "% of the base's mean", "higher", decimal_text(1)),
+    Column("jump_start", "Jump start", "steps", "higher", count_text,
+           with_improvement=True, against_base=True),
+    Column("jump_start_percent", "Jump start", "% of the base's mean", "higher", decimal_text(1),
+           against_base=True),
     Column("asymptotic", "Asymptotic performance", "steps", "lower", decimal_text(1), with_improvement=True),
     Column(
         "threshold_episode", "Time to threshold", "episodes", "lower", decimal_text(1),
@@ -159,8 +164,22 @@ TRANSFER_COLUMNS = (
 
 TOTAL_COLUMNS = (
     Column("total_steps", "Total performance", "steps", "lower", count_text, with_improvement=True),
-    Column("transfer_ratio", "Transfer ratio", "mean of per-seed ratios", "higher", decimal_text(3)),
-    Column("transfer_ratio_of_means", "Transfer ratio", "ratio of the means", "higher", decimal_text(3)),
+    Column(
+        "transfer_ratio",
+        "Transfer ratio",
+        "mean of per-seed ratios",
+        "higher",
+        decimal_text(3),
+        against_base=True,
+    ),
+    Column(
+        "transfer_ratio_of_means",
+        "Transfer ratio",
+        "ratio of the means",
+        "higher",
+        decimal_text(3),
+        against_base=True,
+    ),
 )
 """Columns of the even tables."""
 
@@ -201,11 +220,13 @@ def build_tables(
         place = f"{environment} ({title})" if title else environment
         tables.append(
             _build(len(tables) + 1, f"Jump start, asymptotic performance and time to threshold, {place}",
-                   TRANSFER_COLUMNS, frame, labels, _transfer_notes(frame, settings, source))
+                   TRANSFER_COLUMNS, frame, labels, settings.base,
+                   _transfer_notes(frame, settings, labels, source))
         )  # fmt: skip
         tables.append(
             _build(len(tables) + 1, f"Total performance and transfer ratio, {place}",
-                   TOTAL_COLUMNS, frame, labels, _total_notes(frame, settings, source))
+                   TOTAL_COLUMNS, frame, labels, settings.base,
+                   _total_notes(frame, settings, labels, source))
         )  # fmt: skip
     return tables
 
@@ -216,15 +237,18 @@ def _build(
     columns: tuple[Column, ...],
     frame: pd.DataFrame,
     labels: Mapping[str, tuple[str, str]],
+    base: str,
     notes: Sequence[str],
 ) -> Table:
     groups = []
     for position, (task, part) in enumerate(frame.groupby("task", sort=True)):
         by_key = part.set_index(["method", "metric"])
         methods = list(part["method"].unique())
+        # In the first task nothing is transferred: a best value there would only be a lucky one.
         best = {
             column.key: best_methods(column, {m: by_key.loc[m, column.key] for m in methods})
             for column in columns
+            if position > 0
         }
         rows = tuple(
             Row(
@@ -232,13 +256,16 @@ def _build(
                 method=method,
                 label=labels[method][0],
                 colour=labels[method][1],
-                cells=tuple(_cell(c, by_key.loc[method, c.key], method in best[c.key]) for c in columns),
+                cells=tuple(
+                    _cell(c, by_key.loc[method, c.key], method in best.get(c.key, ()), method == base)
+                    for c in columns
+                ),
             )
             for method in methods
         )
         heading = f"Task {task}"
         if position == 0:
-            heading += ": first task, nothing to transfer yet, so all methods start equal"
+            heading += ": nothing to transfer yet, all methods start equal"
         groups.append(Group(str(task), heading, rows))
     return Table(number, title, columns, tuple(groups), tuple(notes))
 
@@ -262,16 +289,19 @@ def best_methods(column: Column, values: Mapping[str, pd.Series]) -> set[str]:
     return set() if len(chosen) == len(values) else chosen
 
 
-def _cell(column: Column, row: pd.Series, best: bool) -> Cell:
+def _cell(column: Column, row: pd.Series, best: bool, is_base: bool) -> Cell:
     n, seeds = int(row["n"]), int(row["seeds"])
-    if n:
+    by_definition = is_base and column.against_base
+    if by_definition and n:
+        text = column.format(0.0)
+    elif n:
         text = column.format(row["mean"])
         if not math.isnan(row["std"]):
             text += f" ± {column.format(row['std'])}"
     else:
         text = NOT_REACHED if column.with_share else DASH
     interval = ""
-    if not math.isnan(row["ci_low"]):
+    if not (by_definition or math.isnan(row["ci_low"])):
         interval = f"{column.format(row['ci_low'])} to {column.format(row['ci_high'])}"
     improvement = DASH if math.isnan(row["improvement"]) else f"{row['improvement']:.2f}"
     names = ("mean", "std", "ci_low", "ci_high", "n", "seeds")
@@ -287,44 +317,52 @@ def _cell(column: Column, row: pd.Series, best: bool) -> Cell:
     )
 
 
-def _transfer_notes(frame: pd.DataFrame, settings: Settings, source: str) -> list[str]:
+def _transfer_notes(
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+) -> list[str]:
     return [
-        *_common_notes(frame, settings, source),
-        f"Jump start: first-episode steps of the base ({BASE_METHOD}) minus those of the method, same seed;"
-        " positive is good. Its percentage is the ratio of the means; its P compares the first episodes.",
+        *_common_notes(frame, settings, labels, source),
+        "Jump start: first-episode steps of the base minus those of the method, same seed; positive is good."
+        " Its percentage is a ratio of means; its P compares the first episodes.",
         f"Asymptotic performance: mean steps of the last {settings.window} episodes.",
         f"Time to threshold: first episode at which the mean of the last {settings.window} is at most"
-        f" {settings.threshold_factor:g} times the shortest path. Its mean covers only the seeds that"
-        " reached it, counted under “reached”; bold is given among the methods that reached it in the most seeds.",
+        f" {settings.threshold_factor:g} times the shortest path. Its mean covers only the seeds that reached"
+        " it, counted under “reached”; bold is given among the methods that reached it in the most seeds.",
     ]
 
 
-def _total_notes(frame: pd.DataFrame, settings: Settings, source: str) -> list[str]:
+def _total_notes(
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+) -> list[str]:
     return [
-        *_common_notes(frame, settings, source),
+        *_common_notes(frame, settings, labels, source),
         "Total performance: steps over all episodes of the task.",
-        f"Transfer ratio: (total of the base, {BASE_METHOD}, minus total of the method) / total of the base;"
-        " positive is good. The mean of the per-seed ratios counts every seed alike; the ratio of the means counts"
-        " every step alike.",
+        "Transfer ratio: (total of the base − total of the method) / total of the base; positive is good. The"
+        " mean of the per-seed ratios counts every seed alike, the ratio of the means every step alike.",
     ]
 
 
-def _common_notes(frame: pd.DataFrame, settings: Settings, source: str) -> list[str]:
-    runs = sorted({int(n) for n in frame["seeds"]})
-    counted = " or ".join(map(str, runs))
+def _common_notes(
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+) -> list[str]:
+    runs = " or ".join(map(str, sorted({int(n) for n in frame["seeds"]})))
     notes = [
-        f"Mean ± standard deviation over {counted} runs (seeds) of this reproduction; below or beside it the"
-        f" {100 * settings.confidence:g}% bootstrap interval of the mean (BCa, {settings.resamples:,} resamples;"
-        " paired by seed where a method is compared with the base). Best value of a column within a task in bold.",
-        "P: probability that a run of the method is better than a run of the base (ties count half;"
-        " 0.5 is no difference).",
+        f"Mean ± standard deviation over {runs} runs (seeds) of this reproduction; under it the"
+        f" {100 * settings.confidence:g}% bootstrap interval of the mean (BCa, {settings.resamples:,}"
+        " resamples; paired by seed where a method is compared with the base). Best value of a column within"
+        " a task in bold; none is marked in the first task.",
     ]
+    if settings.base in set(frame["method"]):
+        notes.append(
+            f"Base: {labels[settings.base][0]}. P: probability that a run of the method is better than a run"
+            " of the base (ties count half; 0.5 is no difference).",
+        )
+    else:
+        notes.append(f"The base {settings.base} is not in this run, so nothing is compared with it.")
     truncated = frame[(frame["metric"] == "truncated") & (frame["mean"] > 0)]
     if len(truncated):
-        parts = [f"task {r.task}, {r.method}: {r.mean * r.n:.0f}" for r in truncated.itertuples()]
-        notes.append(f"Episodes cut off at the step cap and counted with its length: {'; '.join(parts)}.")
-    if BASE_METHOD not in set(frame["method"]):
-        notes.append(f"The base {BASE_METHOD} is not in this run, so nothing is compared with it.")
+        parts = [f"task {r.task}, {labels[r.method][0]}: {r.mean * r.n:.0f}" for r in truncated.itertuples()]
+        notes.append(f"Episodes cut off at the step cap, counted with the cap's length: {'; '.join(parts)}.")
     notes.append(f"Computed from {source}.")
     return notes
 
@@ -391,8 +429,8 @@ def _escape_markdown(text: str) -> str:
 
 LATEX_CHARACTERS = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{",
-    "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$", MINUS: r"$-$", DASH: "--",
-    "×": r"$\times$", "“": "``", "”": "''", "<": r"$<$", ">": r"$>$", "ε": r"$\varepsilon$", "γ": r"$\gamma$",
+    "}": r"\}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "±": r"$\pm$", MINUS: r"$-$",
+    DASH: "--", "×": r"$\times$", "“": "``", "”": "''", "<": r"$<$", ">": r"$>$",
 }  # fmt: skip
 
 
@@ -472,6 +510,7 @@ thead th { font-weight: 600; text-align: right; vertical-align: bottom; }
 thead tr:first-child th { text-align: center; padding-bottom: .1rem; }
 thead tr:last-child th { font-weight: 400; font-size: .85em; color: var(--soft); padding-top: .1rem;
   border-bottom: 1px solid var(--strong); }
+thead tr:first-child th:first-child { border-bottom: 1px solid var(--strong); }
 thead th[colspan] { box-shadow: inset 0 -1px var(--rule); }
 tbody th { text-align: left; font-weight: 400; }
 tbody th.task { font-weight: 600; background: var(--band); padding-block: .4rem; }
@@ -485,7 +524,7 @@ td.best { background: var(--best); }
 td.missing, td.side { color: var(--soft); }
 .dot { display: inline-block; width: .7em; height: .7em; border-radius: 50%; margin-right: .5em; }
 figcaption { max-width: 75ch; margin-bottom: 1rem; }
-figcaption h1 { font-size: 1.15rem; line-height: 1.3; margin: 0 0 .3rem; }
+figcaption h1 { text-wrap: balance; font-size: 1.15rem; line-height: 1.3; margin: 0 0 .3rem; }
 .notes { max-width: 90ch; margin: 1rem 0 0; padding: 0; list-style: none;
   font-size: .87em; color: var(--soft); }
 .notes li { margin-bottom: .35rem; }

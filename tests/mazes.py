@@ -1,6 +1,6 @@
-"""Random and scalable map texts (``#`` wall, ``.`` free, ``I`` start, letters goals) for tests and measurements.
+"""Random and scalable map texts (``#`` wall, ``.`` free, ``I`` start, letters goals) for tests and timing.
 
-Every map joins its start to all of its goals; open grids may keep free cells that cannot be reached from the start.
+Every map joins its start to all of its goals; open grids may keep free cells that no path leads to.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ GOALS = "ABCDEF"
 def chain_of_rooms(rooms: int, size: int = 10, goals: str = GOALS) -> str:
     """``rooms`` square rooms of ``size`` x ``size`` cells in a row, one doorway between neighbours.
 
-    Doors lie in the same row everywhere, ``I`` in the first room, goals deep in the last ``len(goals)`` rooms.
+    Doors lie in the same row everywhere, ``I`` in the first room, goals deep in the last
+    ``len(goals)`` rooms.
     ``chain_of_rooms(7)`` is environment 1.
     """
     if rooms <= len(goals) or size < 3:
@@ -34,7 +35,9 @@ def chain_of_rooms(rooms: int, size: int = 10, goals: str = GOALS) -> str:
     return to_text(grid)
 
 
-def open_grid(rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS) -> str:
+def open_grid(
+    rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS
+) -> str:
     """Grid with a wall frame and random walls inside; start and goals lie in one connected part."""
     grid = framed(rows, columns)
     inside = grid[1:-1, 1:-1]
@@ -84,7 +87,7 @@ def framed(rows: int, columns: int) -> np.ndarray:
 
 
 def with_letters(rng: np.random.Generator, grid: np.ndarray, goals: str) -> np.ndarray:
-    """Put the start and the goals on random cells of the largest connected part (cleared to fit, if need be)."""
+    """Put start and goals on random cells of the largest connected part; walls go if that is too small."""
     part = largest_part(grid)
     if len(part) <= len(goals):
         grid = framed(*grid.shape)
@@ -122,10 +125,12 @@ def to_text(grid: np.ndarray) -> str:
 
 @st.composite
 def maps(draw: st.DrawFn, goals: str = GOALS, largest: int = 14) -> str:
-    """Hypothesis strategy: map texts of all kinds, at most ``largest`` rows and columns where it has a choice."""
+    """Hypothesis strategy: map texts of all kinds, open grids and rooms of at most ``largest`` rows."""
     kind = draw(st.sampled_from(["open", "rooms", "chain"]))
     if kind == "chain":
-        return chain_of_rooms(draw(st.integers(len(goals) + 1, len(goals) + 2)), draw(st.integers(3, 5)), goals)
+        return chain_of_rooms(
+            draw(st.integers(len(goals) + 1, len(goals) + 2)), draw(st.integers(3, 5)), goals
+        )
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     rows, columns = draw(st.integers(5, largest)), draw(st.integers(5, largest))
     if kind == "rooms":

@@ -20,7 +20,7 @@ def distances(successors: np.ndarray) -> np.ndarray:
 
 
 def transition_matrix(successors: np.ndarray) -> np.ndarray:
-    """(n, n) transition probabilities of the walk that takes each of the four actions with probability 1/4."""
+    """(n, n) transition probabilities of the walk that takes each action with probability 1/4."""
     n_states = len(successors)
     matrix = np.zeros((n_states, n_states))
     np.add.at(matrix, (np.repeat(np.arange(n_states), 4), np.asarray(successors).ravel()), 0.25)
@@ -28,7 +28,7 @@ def transition_matrix(successors: np.ndarray) -> np.ndarray:
 
 
 def transient_matrix(successors: np.ndarray, start: int, goal: int) -> tuple[np.ndarray, np.ndarray]:
-    """States the walk from ``start`` may visit before ``goal`` (start first), and the walk's matrix on them."""
+    """States the walk from ``start`` may visit before ``goal`` (start first), and its matrix on them."""
     reached = [start]
     known = {start, goal}
     for state in reached:
@@ -41,7 +41,7 @@ def transient_matrix(successors: np.ndarray, start: int, goal: int) -> tuple[np.
 
 
 def hitting_time(successors: np.ndarray, start: int, goal: int) -> tuple[float, float]:
-    """Mean and standard deviation, in steps, of the time the uniform random walk from start takes to the goal.
+    """Mean and standard deviation, in steps, of the uniform random walk's time from start to goal.
 
     With Q the transient part of the walk, the mean solves (I - Q) m = 1 and the second moment
     (I - Q) v = 1 + 2 Q m.
@@ -71,16 +71,17 @@ def length_distribution(successors: np.ndarray, start: int, goal: int, longest: 
 def erased_path_probability(successors: np.ndarray, path: np.ndarray) -> float:
     """Probability that the loop-erased random walk from path[0] to path[-1] is exactly ``path``.
 
-    Lawler's product: at each state of the path in turn, the expected number of visits to it by the walk killed at the
-    goal and at the states before it on the path, times the probability of the step to the next state.
+    Lawler's product: at each state of the path in turn, the expected number of visits to it by the walk that
+    is killed at the goal and at the earlier states of the path, times the probability of the step to the next.
     """
     transitions = transition_matrix(successors)
     path = np.asarray(path)
     goal = int(path[-1])
+    inhabited = sorted(reachable(successors, int(path[0])))
     removed = {goal}
     probability = 1.0
     for state, after in zip(path[:-1].tolist(), path[1:].tolist(), strict=True):
-        kept = [other for other in range(len(transitions)) if other not in removed and reaches(successors, other, goal)]
+        kept = [other for other in inhabited if other not in removed]
         matrix = transitions[np.ix_(kept, kept)]
         visits = np.linalg.solve(np.eye(len(kept)) - matrix, np.eye(len(kept))[:, kept.index(state)])
         probability *= visits[kept.index(state)] * transitions[state, after]
@@ -88,12 +89,8 @@ def erased_path_probability(successors: np.ndarray, path: np.ndarray) -> float:
     return float(probability)
 
 
-def reaches(successors: np.ndarray, state: int, goal: int) -> bool:
-    """Whether some sequence of moves leads from the state to the goal."""
-    return state == goal or goal in reachable(successors, state)
-
-
 def reachable(successors: np.ndarray, state: int) -> set[int]:
+    """States that some sequence of moves leads to, the state itself among them."""
     found, waiting = {state}, [state]
     while waiting:
         for after in np.asarray(successors)[waiting.pop()].tolist():

@@ -1,7 +1,7 @@
 """Plain-Python Q-learner: the yardstick of the compiled kernel, in the tests and in the benchmark.
 
-It draws the same random numbers as ``ptl._kernel.Learner`` and must give the same Q bit for bit, but it takes no short
-cuts in the computation: every step is simulated with the full update, the whole trajectory is stored, and loops are
+It draws the same random numbers as ``ptl._kernel.Learner`` and must give the same Q bit for bit, but computes
+without short cuts: every step is simulated with the full update, the whole trajectory is stored, and loops are
 erased from the stored trajectory by their definition.  Nothing here is shared with the kernel.
 """
 
@@ -13,7 +13,6 @@ import numpy as np
 
 WORD_HALF = 1 << 32
 LOW_HALF = WORD_HALF - 1
-COLD_ROW = [0.0, 0.0, 0.0, 0.0]
 
 
 def erase_loops(trajectory: Iterable[int]) -> list[int]:
@@ -34,7 +33,7 @@ def erase_loops(trajectory: Iterable[int]) -> list[int]:
 class ReferenceLearner:
     """Tabular one-step Q-learning of one task, with the public surface of ``ptl._kernel.Learner``.
 
-    ``successors`` is the (n, 4) table of next states; ``bit_generator`` a numpy bit generator of 64-bit words.
+    ``successors`` is the (n, 4) table of next states; ``bit_generator`` a numpy bit generator.
     ``shortcut=False`` makes every exploring step an ordinary epsilon-greedy one: other draws, the same law.
     ``trajectory`` holds all states of the present episode, the start included.
     """
@@ -65,6 +64,7 @@ class ReferenceLearner:
             self._q = [[0.0] * 4 for _ in range(n_states)]
         else:
             self._q = np.asarray(initial_q, dtype=np.float64).tolist()
+        self._informed = [any(row) for row in self._q]
         self._seen = [0] * n_states
         self._within_two = [self._states_within_two_steps(state) for state in range(n_states)]
         self.trajectory: list[int] = []
@@ -124,7 +124,7 @@ class ReferenceLearner:
                 left -= 1
 
     def follow(self, policy: Sequence[int], subgoal: int) -> None:
-        """Obey ``policy`` until the subgoal, a state where it is undefined (-1), the goal or ``max_steps``."""
+        """Follow ``policy`` until the subgoal, an undefined state (-1), the goal or ``max_steps``."""
         while self.steps < self._max_steps and not self.at_goal and self.state != subgoal:
             action = int(policy[self.state])
             if action < 0:
@@ -155,6 +155,8 @@ class ReferenceLearner:
         target = 1.0 if after == self._goal else self._gamma * max(self._q[after])
         row = self._q[state]
         row[action] += self._alpha * (target - row[action])
+        if row[action] != 0.0:
+            self._informed[state] = True
         self._seen[state] |= 1 << action
         self.trajectory.append(after)
 
@@ -184,5 +186,8 @@ class ReferenceLearner:
         return [state, *{after for near in one_step for after in (near, *self._successors[near])} - {state}]
 
     def _is_cold(self, state: int) -> bool:
-        """Whether Q is 0 on every state within two steps and the goal is not among them."""
-        return all(near != self._goal and self._q[near] == COLD_ROW for near in self._within_two[state])
+        """Whether no state within two steps is the goal or has ever had a Q other than 0 in this task.
+
+        (Q can fall back to exactly 0, if the learning rate is high and Q was given; the state stays informed.)
+        """
+        return not any(near == self._goal or self._informed[near] for near in self._within_two[state])

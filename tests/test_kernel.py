@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 
+import mazes
 import numpy as np
+import oracles
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from ptl._kernel import Dynamics, Learner
+from reference import ReferenceLearner, erase_loops
 from scipy import stats
 
-import mazes
-import oracles
-from ptl._kernel import Dynamics, Learner
 from ptl.gridworld import GridWorld
-from reference import ReferenceLearner, erase_loops
 
 HITTING_TIMES = {  # section "what to expect": mean length of a first episode of tasks A..F
     "env1": [3473, 6682, 11437, 17736, 25580, 34969],
@@ -24,21 +24,19 @@ HITTING_TIMES = {  # section "what to expect": mean length of a first episode of
 
 # The goal lies three steps from the nearest cell where walking is cold, so both ways of stepping are in play.
 SMALL_MAP = GridWorld.from_text("I....\n.#.#.\n....A\n")
-CORNERED = GridWorld.from_text("I...\n.#..\n...#\n#..A\n")
+CORNERED = GridWorld.from_text("I...\n.#..\n....\n#..A\n")
 
 
-# -- both learners side by side ---------------------------------------------------------------------------------
+# -- both learners side by side ------------------------------------------------------------------------------
 
 
 class Pair:
     """The kernel and the reference on one task, fed from equal streams; every call is checked at once."""
 
-    def __init__(self, world: GridWorld, goal: int, seed: int, **settings_of_learner) -> None:
-        self.streams = np.random.SFC64(seed), np.random.SFC64(seed)
-        self.kernel = Learner(Dynamics(world.successors), goal, self.streams[0], **settings_of_learner)
-        self.reference = ReferenceLearner(world.successors, goal, self.streams[1], **settings_of_learner)
+    def __init__(self, world: GridWorld, goal: int, seed: int, **options) -> None:
+        self.kernel = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
+        self.reference = ReferenceLearner(world.successors, goal, np.random.SFC64(seed), **options)
         self.successors = world.successors
-        self.in_unit_interval = settings_of_learner.get("initial_q") is None
 
     def __call__(self, call: str, *arguments, **options) -> None:
         getattr(self.kernel, call)(*arguments, **options)
@@ -59,10 +57,6 @@ class Pair:
         assert q.shape == self.successors.shape and q.dtype == np.float64
         assert q.tobytes() == reference.q.tobytes(), f"Q after {call}"
         assert q.min() >= 0.0 and q.max() <= 1.0
-
-    def check_streams(self) -> None:
-        """Both have taken equally many words."""
-        assert self.streams[0].random_raw() == self.streams[1].random_raw()
 
 
 def check_path(path: np.ndarray, successors: np.ndarray, start: int, state: int) -> None:
@@ -115,11 +109,10 @@ def random_calls(pair: Pair, world: GridWorld, goal: int, rng: np.random.Generat
                 pair("follow", policy_to(world.successors, target), target)
             case 7:
                 undefined, psi = rng.choice([0.0, 0.3, 1.0]), rng.choice([0.0, 0.4, 1.0])
-                pair("reuse", random_policy(rng, n, undefined), float(psi), float(rng.choice([0.5, 0.95, 1.0])))
-    pair.check_streams()
+                pair("reuse", random_policy(rng, n, undefined), psi, rng.choice([0.0, 0.5, 0.95, 0.999]))
 
 
-# -- bit for bit ------------------------------------------------------------------------------------------------
+# -- bit for bit ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("shortcut", [True, False])
@@ -132,7 +125,6 @@ def test_equals_reference_while_learning_a_task(published_maps, name, epsilon, s
         pair("begin_episode", world.start)
         pair("explore")
     assert pair.kernel.q.any()
-    pair.check_streams()
 
 
 @pytest.mark.parametrize("name", HITTING_TIMES)
@@ -149,7 +141,6 @@ def test_equals_reference_with_patience_that_doubles(published_maps, name):
             pair("follow", *guides[budget % 5])
             pair("explore", budget=budget)
             budget *= 2
-    pair.check_streams()
 
 
 @pytest.mark.parametrize("name", HITTING_TIMES)
@@ -161,7 +152,6 @@ def test_equals_reference_when_reusing_a_policy(published_maps, name):
     for psi in (1.0, 1.0, 0.3, 0.0, 1.0, 2**-33, 2**-32):
         pair("begin_episode", world.start)
         pair("reuse", past, psi, 0.95)
-    pair.check_streams()
 
 
 @pytest.mark.parametrize("kind", INITIAL_Q)
@@ -179,9 +169,9 @@ def test_equals_reference_from_any_initial_q(published_maps, name, kind):
 @given(
     text=mazes.maps(),
     kind=st.sampled_from(list(INITIAL_Q)),
-    alpha=st.sampled_from([0.05, 0.5, 1.0]),
+    alpha=st.sampled_from([0.05, 0.5, 0.6, 1.0]),
     gamma=st.sampled_from([0.95, 1.0, 0.5]),
-    max_steps=st.sampled_from([1, 2, 3, 20, 57, 2_000]),
+    max_steps=st.sampled_from([1, 2, 3, 57, 2_000, 6_000]),
     shortcut=st.booleans(),
     seed=st.integers(0, 2**32 - 1),
 )
@@ -202,7 +192,7 @@ def test_equals_reference_on_any_map(text, kind, alpha, gamma, max_steps, shortc
     random_calls(pair, world, goal, rng, 25)
 
 
-# -- what each call promises --------------------------------------------------------------------------------------
+# -- what each call promises ---------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("budget", [0, 1, 2, 3, 31, 32, 33, 34, 999])
@@ -220,8 +210,8 @@ def test_max_steps_truncates_an_episode(env1, max_steps):
     learner = Learner(Dynamics(env1.successors), env1.goals["F"], np.random.SFC64(1), max_steps=max_steps)
     wander = np.zeros(env1.n_states, dtype=np.int8)
     learner.begin_episode(env1.start)
-    for call in (lambda: learner.explore(), lambda: learner.explore(5), lambda: learner.reuse(wander, 1.0, 0.95)):
-        call()
+    for call, *arguments in (("explore",), ("explore", 5), ("reuse", wander, 1.0, 0.95)):
+        getattr(learner, call)(*arguments)
         assert (learner.steps, learner.truncated, learner.at_goal) == (max_steps, True, False)
     learner.begin_episode(env1.start)
     assert (learner.steps, learner.truncated, learner.state) == (0, False, env1.start)
@@ -292,7 +282,8 @@ def test_learners_on_one_map_do_not_disturb_each_other(env3):
     dynamics = Dynamics(env3.successors)
 
     def learners():
-        return [Learner(dynamics, env3.goals[letter], np.random.SFC64(seed)) for seed, letter in enumerate("AB")]
+        tasks = enumerate("AB")
+        return [Learner(dynamics, env3.goals[task], np.random.SFC64(seed)) for seed, task in tasks]
 
     apart, together = learners(), learners()
     for learner in apart:
@@ -343,7 +334,38 @@ def test_loops_are_erased_by_their_definition():
     assert erase_loops([0, 1, 2, 0]) == [0]
 
 
-# -- laws -------------------------------------------------------------------------------------------------------
+def test_arguments_out_of_range_are_refused(env3):
+    dynamics, goal, n = Dynamics(env3.successors), env3.goals["A"], env3.n_states
+    for wrong in ({"goal": n}, {"goal": -1}, {"epsilon": 1.5}, {"epsilon": -0.1}):
+        with pytest.raises(ValueError, match=r"must|not a state"):
+            Learner(dynamics, **{"goal": goal, "bit_generator": np.random.SFC64(1)} | wrong)
+    for shape in ((n, 3), (n + 1, 4), (n,)):
+        with pytest.raises(ValueError):
+            Learner(dynamics, goal, np.random.SFC64(1), initial_q=np.zeros(shape))
+    learner = Learner(dynamics, goal, np.random.SFC64(1))
+    policy = np.zeros(n, dtype=np.int8)
+    for call in (
+        lambda: learner.begin_episode(n),
+        lambda: learner.begin_episode(-1),
+        lambda: learner.explore(5, epsilon=2.0),
+        lambda: learner.explore(5, epsilon=float("nan")),
+        lambda: learner.follow(policy[1:], 0),
+        lambda: learner.follow(policy + 4, 0),
+        lambda: learner.reuse(policy - 2, 1.0, 0.95),
+        lambda: learner.reuse(policy, 1.1, 0.95),
+        lambda: learner.reuse(policy, 1.0, 1.0),
+    ):
+        with pytest.raises(ValueError):
+            call()
+    with pytest.raises(ValueError):
+        Dynamics(np.full((3, 4), 3))
+    with pytest.raises(ValueError):
+        Dynamics(np.full((3, 4), -1))
+    with pytest.raises(ValueError):
+        Dynamics(np.zeros((3, 3), dtype=int))
+
+
+# -- laws ----------------------------------------------------------------------------------------------------
 
 
 def first_episodes(world: GridWorld, goal: int, episodes: int, seed: int, kind=Learner, **options):
@@ -361,7 +383,7 @@ def first_episodes(world: GridWorld, goal: int, episodes: int, seed: int, kind=L
 
 
 def same_law(first: Counter, second: Counter) -> float:
-    """p value of the chi-square test that two samples of a discrete variable have one law (rare values pooled)."""
+    """p value of the chi-square test that two samples have one law; rare values are pooled."""
     table = np.array([[sample[value] for value in set(first) | set(second)] for sample in (first, second)])
     common = table.sum(axis=0) >= 20
     rest = table[:, ~common].sum(axis=1, keepdims=True)
@@ -371,7 +393,7 @@ def same_law(first: Counter, second: Counter) -> float:
 
 
 def goodness_of_fit(observed: np.ndarray, probabilities: np.ndarray) -> float:
-    """p value of the chi-square test of counts against a law; values expected less than 8 times are pooled."""
+    """p value of the chi-square test of counts against a law; values expected under 8 times are pooled."""
     expected = observed.sum() * np.append(probabilities, max(0.0, 1.0 - probabilities.sum()))
     observed = np.append(observed, 0)
     assert not observed[expected < 1e-9].any(), "an impossible value occurred"
@@ -401,8 +423,8 @@ def test_first_episode_on_the_published_maps_has_the_expected_length(published_m
 @pytest.mark.parametrize("seed", range(6))
 def test_first_episode_on_random_maps_has_the_expected_length(seed):
     rng = np.random.default_rng(seed)
-    make = (lambda: mazes.open_grid(rng, 9, 11, 0.2)) if seed % 2 else (lambda: mazes.random_rooms(rng, 12, 13))
-    world = GridWorld.from_text(make())
+    text = mazes.open_grid(rng, 9, 11, 0.2) if seed % 2 else mazes.random_rooms(rng, 12, 13)
+    world = GridWorld.from_text(text)
     for epsilon, goal in zip((0.0, 0.1, 1.0), world.goals.values(), strict=False):
         mean, deviation = oracles.hitting_time(world.successors, world.start, goal)
         lengths, _ = first_episodes(world, goal, 3000, seed, epsilon=epsilon)
@@ -466,8 +488,9 @@ def test_where_a_budget_ends_has_the_exact_law(budget):
     walk = oracles.transition_matrix(world.successors)
     walk[goal] = np.eye(world.n_states)[goal]
     law = np.linalg.matrix_power(walk, budget)[world.start]
-    learner = Learner(Dynamics(world.successors), goal, np.random.SFC64(43), gamma=0.0, alpha=0.0 + 5e-324)
+    learner = Learner(Dynamics(world.successors), goal, np.random.SFC64(43), gamma=0.0)
     counts = np.zeros(world.n_states, dtype=int)
+    # With epsilon = 1 what Q has become changes nothing in the law; the first episode walks where Q is zero.
     for _ in range(20_000):
         learner.begin_episode(world.start)
         learner.explore(budget, epsilon=1.0)
@@ -530,5 +553,5 @@ def test_q_stays_between_0_and_1(env3):
     for _ in range(300):
         learner.begin_episode(env3.start)
         learner.explore()
-        assert 0.0 <= learner.q.min() and learner.q.max() <= 1.0
+        assert learner.q.min() >= 0.0 and learner.q.max() <= 1.0
     assert learner.q.max() > 0.99

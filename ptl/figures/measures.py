@@ -56,7 +56,7 @@ def measures(
     curves = {method: steps.steps(environment, method, task).mean(axis=0) for method in methods}
     parts = []
     for method, mean in curves.items():
-        if len(mean) <= window:
+        if len(mean) < window:
             raise UserError(
                 f"{steps.path}: {len(mean)} episodes are too few for a window of {window}; learn for more episodes"
             )

@@ -1,16 +1,58 @@
-"""Figure 3: the prior probability of a skill, by where its subgoal lies, for one goal."""
+"""Figure 3: the prior of a skill for one goal, by where the skill's subgoal lies."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm
 
 from ptl.figures import cells, style
+from ptl.selection import prior
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ptl.gridworld import GridWorld
+
+LOWEST = 1e-4
+"""Least relative prior told apart by colour."""
+
+
+def relative_prior(world: GridWorld, goal: str, form: str, width: float) -> pd.DataFrame:
+    """Prior of a skill with its subgoal in each state, relative to one whose subgoal is the goal.
+
+    Columns goal, state, row, column, relative_prior.
+    """
+    state = world.goal(goal)
+    chances = prior(world.cells, range(world.n_states), state, world.diagonal, form, width)
+    rows, columns = world.cells.T
+    return pd.DataFrame(
+        {
+            "goal": goal,
+            "state": range(world.n_states),
+            "row": rows,
+            "column": columns,
+            "relative_prior": chances / chances[state],
+        }
+    )
+
+
+@style.styled
+def draw(world: GridWorld, frame: pd.DataFrame, title: str) -> Figure:
+    """The relative prior of every state on a log scale; walls do not count, which is the point of the picture."""
+    rows, columns = world.shape
+    side = cells.cell_side(world, style.SLIDE_WIDTH - 2.2, 6.4)
+    figure = style.new_figure(max(side * columns + 2.2, 7.0), max(side * rows + 1.1, 4.2), layout="compressed")
+    axes = figure.add_subplot()
+    goal = str(frame["goal"].iloc[0])
+    values = frame["relative_prior"].to_numpy()
+    norm = LogNorm(max(float(values.min()), LOWEST), 1, clip=True)
+    heat = cells.draw_heat(axes, world, values, norm)
+    cells.draw_world(axes, world)
+    cells.draw_places(axes, world, side, goals=[goal])
+    bar = figure.colorbar(heat, ax=axes, aspect=22, pad=0.02)
+    bar.set_label(f"prior of a skill that ends here,\nrelative to one that ends at {goal}")
+    bar.outline.set_visible(False)
+    axes.set_title(f"{title}: prior for goal {goal}")
+    return figure

@@ -1,0 +1,37 @@
+# Partial transfer learning with a skill library: the whole reproduction.
+#
+#   map -> learning, growth, survey (HDF5) -> measures -> tables, figures, claims -> report
+#
+# `snakemake -j2` makes everything; the rules with a short name below make one stage.
+
+from snakemake.utils import min_version, validate
+
+min_version("9.13")
+
+
+configfile: "config/config.yaml"
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/learning.smk"
+include: "workflow/rules/growth.smk"
+include: "workflow/rules/subgoal_frequencies.smk"
+include: "workflow/rules/measures.smk"
+#include: "workflow/rules/tables.smk"
+#include: "workflow/rules/figures.smk"
+
+
+
+
+localrules:
+    all,
+    learning,
+    growth,
+    subgoal_frequencies,
+
+
+rule all:
+    default_target: True
+    input:
+        rules.growth.input, rules.subgoal_frequencies.input,
+        rules.measure.output,

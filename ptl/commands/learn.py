@@ -1,0 +1,40 @@
+"""``ptl learn``: one learning job, a life of tasks under one method with one seed."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+
+@click.command()
+@click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
+@click.option("--environment", required=True, help="Name of the environment in files and tables.")
+@click.option("--tasks", required=True, help="Goal letters in the order of the tasks, e.g. ABCDEF.")
+@click.option("--method", required=True, help="Identifier of the method.")
+@click.option("--seed", required=True, type=click.IntRange(0), help="Number of the run.")
+@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
+@click.option("--output", required=True, type=click.Path(), help="HDF5 file to write.")
+def command(
+    map_path: str, environment: str, tasks: str, method: str, seed: int, root_seed: int, parameters: str, output: str
+) -> None:
+    """Learn a sequence of tasks and write Q-tables, steps, subgoals and the skill library."""
+    from ptl.gridworld import load_map
+    from ptl.learning import learn_life, tasks_of
+    from ptl.parameters import Parameters
+    from ptl.provenance import code_digest
+    from ptl.store import write_learning
+
+    chosen = Parameters.from_dict(json.loads(parameters))
+    world = load_map(map_path)
+    life = learn_life(world, tasks_of(world, tasks), method, chosen, root_seed, environment, seed)
+    origin = {
+        "environment": environment,
+        "method": method,
+        "seed": seed,
+        "root_seed": root_seed,
+        "parameters": chosen.to_dict(),
+        "code": code_digest("ptl.learning", f"ptl.methods.{method}"),
+    }
+    write_learning(output, life, world, origin)

@@ -1,0 +1,86 @@
+"""``ptl survey``: subgoals over all pairs of start and goal, in batches that are added up."""
+
+from __future__ import annotations
+
+import json
+
+import click
+
+PRODUCT = click.option("--output", required=True, type=click.Path(), help="HDF5 file to write.")
+
+
+@click.group()
+def command() -> None:
+    """Count how often each state is the subgoal over all pairs of start and goal."""
+
+
+@command.command()
+@click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
+@click.option("--environment", required=True, help="Name of the environment.")
+@click.option("--batch", required=True, type=click.IntRange(0), help="Number of this batch, from 0.")
+@click.option("--batches", required=True, type=click.IntRange(1), help="Batches in all.")
+@click.option("--starts", default="all", help="'all' or the number of start states to sample.")
+@click.option("--trajectories", default=30, type=click.IntRange(1), help="Successful episodes of each task.")
+@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
+@PRODUCT
+def batch(
+    map_path: str,
+    environment: str,
+    batch: int,
+    batches: int,
+    starts: str,
+    trajectories: int,
+    root_seed: int,
+    parameters: str,
+    output: str,
+) -> None:
+    """Learn all tasks from every BATCHES-th start state."""
+    from ptl.frequencies import chosen_starts, subgoal_frequencies
+    from ptl.gridworld import load_map
+    from ptl.parameters import Parameters
+    from ptl.provenance import code_digest
+    from ptl.store import write_frequencies
+
+    chosen = Parameters.from_dict(json.loads(parameters))
+    world = load_map(map_path)
+    states = chosen_starts(world, None if starts == "all" else int(starts), root_seed, environment)
+    arrays = subgoal_frequencies(
+        world, states[batch::batches], trajectories, chosen.learning, root_seed, environment
+    )
+    origin = {
+        "environment": environment,
+        "trajectories": trajectories,
+        "root_seed": root_seed,
+        "parameters": chosen.to_dict(),
+        "code": code_digest("ptl.frequencies"),
+    }
+    write_frequencies(output, arrays, world, origin)
+
+
+@command.command()
+@click.argument("batches", nargs=-1, required=True, type=click.Path())
+@PRODUCT
+def merge(batches: tuple[str, ...], output: str) -> None:
+    """Add up the counts of all BATCHES of one environment."""
+    from ptl.errors import UserError
+    from ptl.frequencies import ARRAYS, add_up
+    from ptl.store import FREQUENCIES, open_result, write_frequencies
+
+    parts, origins = [], []
+    for path in batches:
+        with open_result(path, FREQUENCIES) as result:
+            parts.append({name: result.file[name][()] for name in ARRAYS})
+            origins.append(
+                {
+                    "environment": result.environment,
+                    "trajectories": int(result.file.attrs["trajectories"]),
+                    "root_seed": result.root_seed,
+                    "parameters": result.parameters,
+                    "code": result.code,
+                }
+            )
+            world = result.world
+        if origins[-1] != origins[0]:
+            raise UserError(f"{path}: comes from another run than {batches[0]}; remove both and run again")
+    write_frequencies(output, add_up(parts), world, origins[0])

@@ -1,0 +1,100 @@
+"""Figure 8: how often each state is chosen as the subgoal, over all pairs of start and goal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from matplotlib.colors import PowerNorm
+
+from ptl.errors import UserError
+from ptl.figures import cells, style
+from ptl.store import FREQUENCIES, open_result
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ptl.gridworld import GridWorld
+
+GAP = 1.75
+"""Inches beside a map for its colour bar."""
+HEAD = 1.0
+"""Inches above and below a map for its title and margins."""
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """Contents of one file of subgoal frequencies; ``counts`` has shape (n_states,)."""
+
+    environment: str
+    world: GridWorld
+    counts: np.ndarray
+    pairs: int
+    unresolved: int
+    trajectories: int
+
+
+def read(paths: Iterable[str | Path]) -> list[Frequencies]:
+    """Read files of subgoal frequencies, one per environment."""
+    items: list[Frequencies] = []
+    for path in paths:
+        with open_result(path, FREQUENCIES) as result:
+            if any(result.environment == item.environment for item in items):
+                raise UserError(f"{path}: environment {result.environment} is given twice; name each file once")
+            numbers = {name: int(result.file[name][()]) for name in ("pairs", "unresolved")}
+            trajectories = int(result.parameters["trajectories"])
+            counts = result.file["counts"][()]
+            items.append(Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers))
+    if not items:
+        raise UserError("no file of subgoal frequencies to draw; name at least one")
+    return items
+
+
+def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:
+    """Columns environment, state, row, column, count, share (percent of pairs), pairs, unresolved, trajectories."""
+    parts = []
+    for item in items:
+        rows, columns = item.world.cells.T
+        part = pd.DataFrame({"state": range(item.world.n_states), "row": rows, "column": columns, "count": item.counts})
+        part.insert(0, "environment", item.environment)
+        part = part.assign(share=100 * item.counts / item.pairs, pairs=item.pairs, unresolved=item.unresolved)
+        parts.append(part.assign(trajectories=item.trajectories))
+    return pd.concat(parts, ignore_index=True)
+
+
+@style.styled
+def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """A heat map for each environment, on one colour scale (square root), so that they can be compared."""
+    worlds = [item.world for item in items]
+    arrangement = cells.pack([world.shape for world in worlds])
+    sides, heights = [], []
+    for row in arrangement:
+        shapes = [worlds[index].shape for index in row]
+        width = style.SLIDE_WIDTH - GAP - 0.35 * len(row)
+        scale = sum(columns / rows for rows, columns in shapes)
+        height = min(width / scale, *(cells.LARGEST_CELL * rows for rows, _ in shapes), 6.0)
+        sides.append([height / rows for rows, _ in shapes])
+        heights.append(height + HEAD)
+    figure = style.new_figure(style.SLIDE_WIDTH, sum(heights))
+    maps, edge = figure.subfigures(1, 2, width_ratios=[style.SLIDE_WIDTH - GAP, GAP])
+    bands = np.atleast_1d(maps.subfigures(len(arrangement), 1, height_ratios=heights))
+    norm = PowerNorm(0.5, 0, max(float(frame["share"].max()), 0.01))
+    shares = {name: part["share"].to_numpy() for name, part in frame.groupby("environment", sort=False)}
+    for band, row, row_sides in zip(bands, arrangement, sides, strict=True):
+        ratios = [worlds[index].shape[1] / worlds[index].shape[0] for index in row]
+        panels = band.subplots(1, len(row), width_ratios=ratios, squeeze=False)[0]
+        for axes, index, side in zip(panels, row, row_sides, strict=True):
+            item = items[index]
+            heat = cells.draw_heat(axes, item.world, shares[item.environment], norm)
+            cells.draw_world(axes, item.world)
+            cells.draw_places(axes, item.world, side)
+            name = titles.get(item.environment, item.environment)
+            axes.set_title(f"{name}: {item.pairs:,} pairs, T = {item.trajectories}".replace(",", "\u202f"), fontsize=15)
+    bar = edge.colorbar(heat, cax=edge.subplots())
+    bar.set_label("share of (start, goal) pairs whose\nsubgoal the state is, % (square-root scale)")
+    bar.outline.set_visible(False)
+    return figure

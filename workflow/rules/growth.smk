@@ -1,0 +1,30 @@
+# One job per life of many random tasks: how the library grows.
+
+
+rule grow:
+    input:
+        map=config["environments"][config["growth"]["environment"]]["map"],
+    output:
+        RESULTS + "/growth/run_{run}.h5",
+    params:
+        environment=config["growth"]["environment"],
+        tasks=config["growth"]["tasks"],
+        run=lambda wildcards: int(wildcards.run),
+        root_seed=config["root_seed"],
+        parameters=hyper_parameters("learning", "skills", "subgoals"),
+        code=code_digest("ptl.growth", "ptl.methods.ptl", "ptl.store"),
+    log:
+        "logs/" + RESULTS + "/growth/run_{run}.log",
+    message:
+        "Growing a library over random tasks, run {wildcards.run}"
+    conda:
+        "../envs/ptl.yaml"
+    shell:
+        PTL + " grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
+        " --run {params.run} --root-seed {params.root_seed}"
+        " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+
+
+rule growth:
+    input:
+        expand(RESULTS + "/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])),

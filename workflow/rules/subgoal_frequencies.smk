@@ -1,0 +1,52 @@
+# Subgoals over all pairs of start and goal, in batches of start states.
+
+
+rule survey_batch:
+    input:
+        map=map_of,
+    output:
+        temp(RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.h5"),
+    params:
+        batches=config["subgoal_frequencies"]["batches"],
+        starts=config["subgoal_frequencies"]["starts"],
+        trajectories=config["subgoal_frequencies"]["trajectories"],
+        root_seed=config["root_seed"],
+        parameters=hyper_parameters("learning"),
+        code=code_digest("ptl.frequencies", "ptl.store"),
+    log:
+        "logs/" + RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.log",
+    # The longest jobs of the run go first, so that short ones fill the gap at the end.
+    priority: 1
+    message:
+        "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.batches}"
+    conda:
+        "../envs/ptl.yaml"
+    shell:
+        PTL + " survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
+        " --batches {params.batches} --starts {params.starts} --trajectories {params.trajectories}"
+        " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+
+
+rule merge_survey:
+    input:
+        expand(
+            RESULTS + "/subgoal_frequencies/{{environment}}/batch_{batch}.h5",
+            batch=range(config["subgoal_frequencies"]["batches"]),
+        ),
+    output:
+        RESULTS + "/subgoal_frequencies/{environment}.h5",
+    params:
+        code=code_digest("ptl.frequencies", "ptl.store"),
+    log:
+        "logs/" + RESULTS + "/subgoal_frequencies/{environment}.log",
+    message:
+        "Adding up the subgoals of {wildcards.environment}"
+    conda:
+        "../envs/ptl.yaml"
+    shell:
+        PTL + " survey merge {input:q} --output {output:q} 2> {log:q}"
+
+
+rule subgoal_frequencies:
+    input:
+        expand(RESULTS + "/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS),
