@@ -17,10 +17,8 @@ include: "workflow/rules/learning.smk"
 include: "workflow/rules/growth.smk"
 include: "workflow/rules/subgoal_frequencies.smk"
 include: "workflow/rules/measures.smk"
-#include: "workflow/rules/tables.smk"
-#include: "workflow/rules/figures.smk"
-
-
+include: "workflow/rules/tables.smk"
+include: "workflow/rules/figures.smk"
 
 
 localrules:
@@ -28,10 +26,12 @@ localrules:
     learning,
     growth,
     subgoal_frequencies,
+    tables,
+    figures,
 
 
 rule all:
     default_target: True
     input:
-        rules.growth.input, rules.subgoal_frequencies.input,
-        rules.measure.output,
+        rules.tabulate.output,
+        rules.figures.input,

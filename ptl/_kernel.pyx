@@ -18,8 +18,8 @@ How it is fast
 four actions. A draw r of 32 bits gives p = 12 r: the high half of p is a slot (0..11) and the low half decides between
 the greedy slots and the uniform ones, so that the index of a move does not depend on the state and a step is one load.
 
-*Two steps at a time where nothing is known.* Call a state cold if Q is zero on all states within two steps of it and
-the goal is none of them. There all four actions tie, so the next two actions are uniform and independent whatever
+*Two steps at a time where nothing is known.* Call a state cold if Q has been zero since the task began on all states
+within two steps of it and the goal is none of them. There all four actions tie, so the next two actions are uniform and independent whatever
 epsilon is; both targets are gamma * 0, so the two updates leave Q as it is; and the episode cannot end. Two
 steps are therefore four random bits and one load from a table of two-step successors. The law of the episode is
 that of single steps, and the tests' plain reference, which takes these steps singly and with all updates, agrees bit
@@ -173,7 +173,8 @@ cdef class Learner:
     goal : int
         State at which an episode ends with reward 1.
     bit_generator : numpy.random.BitGenerator
-        Source of all randomness; its 64-bit words are used in order.
+        Source of all randomness; its 64-bit words are used in order. They are read ahead in blocks, so nothing else
+        should draw from the same generator.
     alpha, gamma : float
         Learning rate and discount.
     epsilon : float
@@ -192,6 +193,10 @@ cdef class Learner:
         cdef uint32_t state
         if not 0 <= goal < n:
             raise ValueError(f"goal {goal} is not a state")
+        check_probability("alpha", alpha)
+        check_probability("gamma", gamma)
+        if max_steps < 1:
+            raise ValueError(f"max_steps must be at least 1, not {max_steps}")
         self.dynamics = dynamics
         self.alpha, self.gamma = alpha, gamma
         self.epsilon = threshold(check_probability("epsilon", epsilon))
@@ -217,6 +222,8 @@ cdef class Learner:
         self.n_informed = 0
         self.forget(goal)
         if initial_q is not None:
+            if np.shape(initial_q) != (n, 4):
+                raise ValueError(f"initial_q must have the shape ({n}, 4), not {np.shape(initial_q)}")
             values[...] = initial_q
             for state in range(n):
                 self.refresh(state)

@@ -62,4 +62,10 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def write_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:
     """Write a data frame as CSV, numbers with six significant digits, missing values as empty cells."""
     with atomic_path(path) as temporary:
-        frame.to_csv(temporary, index=False, float_format=f"%.{SIGNIFICANT_DIGITS}g", lineterminator="\n")
+        frame.to_csv(temporary, index=False, float_format=format_number, lineterminator="\n")
+
+
+def format_number(value: float) -> str:
+    """A number with six significant digits; large ones without an exponent, which people misread."""
+    text = f"{value:.{SIGNIFICANT_DIGITS}g}"
+    return f"{float(text):.0f}" if "e+" in text else text

@@ -69,7 +69,7 @@ class GridWorld:
             Naming the map, the cell (row and column, counted from 1) and the remedy.
         """
         # Only line feeds end a row: other separators of str.splitlines are unknown letters of a map.
-        rows = text.replace("\r\n", "\n").strip("\n").split("\n")
+        rows = text.replace("\r\n", "\n").rstrip("\n").split("\n")
         return cls(rows, name)
 
     # -- reading ------------------------------------------------------------------------------------------------

@@ -217,16 +217,17 @@ def build_tables(
         frame = metrics[metrics["environment"] == environment]
         if frame.empty:
             raise UserError(f"{source}: no environment {environment!r}; measure its learning files first")
-        place = f"{environment} ({title})" if title else environment
+        place = title or environment
+        origin = f"{source}, environment {environment}"
         tables.append(
             _build(len(tables) + 1, f"Jump start, asymptotic performance and time to threshold, {place}",
                    TRANSFER_COLUMNS, frame, labels, settings.base,
-                   _transfer_notes(frame, settings, labels, source))
+                   _transfer_notes(frame, settings, labels, origin))
         )  # fmt: skip
         tables.append(
             _build(len(tables) + 1, f"Total performance and transfer ratio, {place}",
                    TOTAL_COLUMNS, frame, labels, settings.base,
-                   _total_notes(frame, settings, labels, source))
+                   _total_notes(frame, settings, labels, origin))
         )  # fmt: skip
     return tables
 
@@ -304,7 +305,7 @@ def _cell(column: Column, row: pd.Series, best: bool, is_base: bool) -> Cell:
     if not (by_definition or math.isnan(row["ci_low"])):
         interval = f"{column.format(row['ci_low'])} to {column.format(row['ci_high'])}"
     improvement = DASH if math.isnan(row["improvement"]) else f"{row['improvement']:.2f}"
-    names = ("mean", "std", "ci_low", "ci_high", "n", "seeds")
+    names: tuple[str, ...] = ("mean", "std", "ci_low", "ci_high", "n", "seeds")
     names += ("reached",) * column.with_share
     names += ("improvement", "improvement_low", "improvement_high") * column.with_improvement
     return Cell(
@@ -318,10 +319,10 @@ def _cell(column: Column, row: pd.Series, best: bool, is_base: bool) -> Cell:
 
 
 def _transfer_notes(
-    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], origin: str
 ) -> list[str]:
     return [
-        *_common_notes(frame, settings, labels, source),
+        *_common_notes(frame, settings, labels, origin),
         "Jump start: first-episode steps of the base minus those of the method, same seed; positive is good."
         " Its percentage is a ratio of means; its P compares the first episodes.",
         f"Asymptotic performance: mean steps of the last {settings.window} episodes.",
@@ -332,10 +333,10 @@ def _transfer_notes(
 
 
 def _total_notes(
-    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], origin: str
 ) -> list[str]:
     return [
-        *_common_notes(frame, settings, labels, source),
+        *_common_notes(frame, settings, labels, origin),
         "Total performance: steps over all episodes of the task.",
         "Transfer ratio: (total of the base − total of the method) / total of the base; positive is good. The"
         " mean of the per-seed ratios counts every seed alike, the ratio of the means every step alike.",
@@ -343,7 +344,7 @@ def _total_notes(
 
 
 def _common_notes(
-    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], source: str
+    frame: pd.DataFrame, settings: Settings, labels: Mapping[str, tuple[str, str]], origin: str
 ) -> list[str]:
     runs = " or ".join(map(str, sorted({int(n) for n in frame["seeds"]})))
     notes = [
@@ -363,7 +364,7 @@ def _common_notes(
     if len(truncated):
         parts = [f"task {r.task}, {labels[r.method][0]}: {r.mean * r.n:.0f}" for r in truncated.itertuples()]
         notes.append(f"Episodes cut off at the step cap, counted with the cap's length: {'; '.join(parts)}.")
-    notes.append(f"Computed from {source}.")
+    notes.append(f"Computed from {origin}.")
     return notes
 
 

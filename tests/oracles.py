@@ -72,7 +72,7 @@ def erased_path_probability(successors: np.ndarray, path: np.ndarray) -> float:
     """Probability that the loop-erased random walk from path[0] to path[-1] is exactly ``path``.
 
     Lawler's product: at each state of the path in turn, the expected number of visits to it by the walk that
-    is killed at the goal and at the earlier states of the path, times the probability of the step to the next.
+    ends at the goal and at the earlier states of the path, times the probability of the step to the next.
     """
     transitions = transition_matrix(successors)
     path = np.asarray(path)

@@ -1,8 +1,8 @@
 """Plain-Python Q-learner: the yardstick of the compiled kernel, in the tests and in the benchmark.
 
-It draws the same random numbers as ``ptl._kernel.Learner`` and must give the same Q bit for bit, but computes
-without short cuts: every step is simulated with the full update, the whole trajectory is stored, and loops are
-erased from the stored trajectory by their definition.  Nothing here is shared with the kernel.
+It draws the same random numbers as ``ptl._kernel.Learner`` and must give the same Q bit for bit, but takes no
+short cuts: every step is simulated with the full update, the whole trajectory is stored, and loops are erased
+from the stored trajectory by their definition.  Nothing here is shared with the kernel.
 """
 
 from __future__ import annotations
@@ -188,6 +188,6 @@ class ReferenceLearner:
     def _is_cold(self, state: int) -> bool:
         """Whether no state within two steps is the goal or has ever had a Q other than 0 in this task.
 
-        (Q can fall back to exactly 0, if the learning rate is high and Q was given; the state stays informed.)
+        (Q can fall back to exactly 0 if alpha is high and Q was given; the state stays informed.)
         """
         return not any(near == self._goal or self._informed[near] for near in self._within_two[state])

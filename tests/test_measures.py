@@ -239,8 +239,9 @@ def test_command_measures_learning_files(tmp_path):
     out = {name: str(tmp_path / name) for name in ("per_seed.csv", "steps.h5", "subgoals.csv")}
     result = CliRunner().invoke(
         command,
-        [str(paths[0]), "--files-from", str(names), "--output-per-seed", out["per_seed.csv"], "--output-steps",
-         out["steps.h5"], "--output-subgoals", out["subgoals.csv"], "--window", "3", "--threshold-factor", "1.5"],
+        [str(paths[0]), "--files-from", str(names), "--output-per-seed", out["per_seed.csv"],
+         "--output-steps", out["steps.h5"], "--output-subgoals", out["subgoals.csv"],
+         "--window", "3", "--threshold-factor", "1.5"],
         catch_exceptions=False,
     )  # fmt: skip
     assert result.exit_code == 0, result.output

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.patheffects import withStroke
 
 from ptl.figures import style
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from ptl.gridworld import GridWorld
 
 POINTS_PER_INCH = 72
+LETTER = {"fontfamily": "DejaVu Sans Mono", "fontweight": "bold"}
+"""Type of the letters on maps; with serifs the start's I cannot be taken for a bar."""
 LARGEST_CELL = 0.42
 """Largest side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
 
@@ -63,10 +65,12 @@ def draw_floor(axes: Axes, world: GridWorld) -> None:
     _paint(axes, floor, cmap=ListedColormap([style.FLOOR]), edgecolor=style.RULE, linewidth=0.7, zorder=1)
 
 
-def draw_heat(axes: Axes, world: GridWorld, values: np.ndarray, norm: Normalize) -> QuadMesh:
+def draw_heat(
+    axes: Axes, world: GridWorld, values: np.ndarray, norm: Normalize, colours: Colormap = style.HEAT
+) -> QuadMesh:
     """Colour the free cells by a value per state, array (n_states,); give the result to a colour bar."""
     grid = np.ma.masked_invalid(world.to_grid(values))
-    return _paint(axes, grid, cmap=style.HEAT, norm=norm, edgecolor="face", linewidth=0.15, zorder=1)
+    return _paint(axes, grid, cmap=colours, norm=norm, edgecolor="face", linewidth=0.15, zorder=1)
 
 
 def draw_places(
@@ -87,21 +91,23 @@ def draw_places(
         (for heat maps, whose colours must stay visible).
     """
     named = [("I", world.start, style.START)]
-    named += [(letter, world.goal(letter), style.GOAL) for letter in (world.goals if goals is None else goals)]
+    named += [
+        (letter, world.goal(letter), style.GOAL) for letter in (world.goals if goals is None else goals)
+    ]
     size = float(np.clip(0.85 * cell * POINTS_PER_INCH, 10, 17))
     for letter, state, colour in named:
         row, column = world.cells[state]
         if filled:
             axes.text(
-                column, row, letter, ha="center", va="center_baseline", fontsize=max(size, 12), fontweight="bold",
-                color="white", zorder=6,
+                column, row, letter, ha="center", va="center_baseline", fontsize=max(size, 12), color="white",
+                zorder=6, **LETTER,
                 bbox={"boxstyle": "round,pad=0.16,rounding_size=0.15", "facecolor": colour, "edgecolor": "none"},
             )  # fmt: skip
         else:
             rim = withStroke(linewidth=max(2.5, size / 4.5), foreground="white")
             axes.text(
-                column, row, letter, ha="center", va="center_baseline", fontsize=size, fontweight="bold",
-                color=style.INK, zorder=6, path_effects=[rim],
+                column, row, letter, ha="center", va="center_baseline", fontsize=size, color=style.INK, zorder=6,
+                path_effects=[rim], **LETTER,
             )  # fmt: skip
 
 
@@ -121,7 +127,7 @@ def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float
     return min(width / columns, height / rows, LARGEST_CELL)
 
 
-def pack(shapes: Sequence[tuple[int, int]], target: float = 1.9) -> list[list[int]]:
+def pack(shapes: Sequence[tuple[int, int]], target: float = 1.9, narrowest: float = 0.27) -> list[list[int]]:
     """Arrange maps in rows of panels, in order, so that the whole comes close to the shape of a slide.
 
     All maps in a row get the same height and a row fills the width, as in a wall of photographs.
@@ -131,6 +137,8 @@ def pack(shapes: Sequence[tuple[int, int]], target: float = 1.9) -> list[list[in
     shapes : sequence of (rows, columns)
     target : float
         Wanted ratio of width to height.
+    narrowest : float
+        Least share of the width that a panel beside others gets, so that there is room for its title.
 
     Returns
     -------
@@ -147,9 +155,14 @@ def pack(shapes: Sequence[tuple[int, int]], target: float = 1.9) -> list[list[in
                 rows.append([index])
             else:
                 rows[-1].append(index)
+        if any(
+            len(row) > 1 and min(aspects[i] for i in row) < narrowest * sum(aspects[i] for i in row)
+            for row in rows
+        ):
+            continue
         height = sum(1 / sum(aspects[i] for i in row) for row in rows)
         miss = abs(math.log(target * height))
         if best is None or miss < best[0] - 1e-12:
             best = miss, rows
-    assert best is not None
+    assert best is not None  # one map in each row is always allowed
     return best[1]

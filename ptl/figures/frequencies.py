@@ -44,11 +44,15 @@ def read(paths: Iterable[str | Path]) -> list[Frequencies]:
     for path in paths:
         with open_result(path, FREQUENCIES) as result:
             if any(result.environment == item.environment for item in items):
-                raise UserError(f"{path}: environment {result.environment} is given twice; name each file once")
+                raise UserError(
+                    f"{path}: environment {result.environment} is given twice; name each file once"
+                )
             numbers = {name: int(result.file[name][()]) for name in ("pairs", "unresolved")}
-            trajectories = int(result.parameters["trajectories"])
+            trajectories = int(result.file.attrs["trajectories"])
             counts = result.file["counts"][()]
-            items.append(Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers))
+            items.append(
+                Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers)
+            )
     if not items:
         raise UserError("no file of subgoal frequencies to draw; name at least one")
     return items
@@ -59,7 +63,9 @@ def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:
     parts = []
     for item in items:
         rows, columns = item.world.cells.T
-        part = pd.DataFrame({"state": range(item.world.n_states), "row": rows, "column": columns, "count": item.counts})
+        part = pd.DataFrame(
+            {"state": range(item.world.n_states), "row": rows, "column": columns, "count": item.counts}
+        )
         part.insert(0, "environment", item.environment)
         part = part.assign(share=100 * item.counts / item.pairs, pairs=item.pairs, unresolved=item.unresolved)
         parts.append(part.assign(trajectories=item.trajectories))
@@ -92,9 +98,10 @@ def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str,
             heat = cells.draw_heat(axes, item.world, shares[item.environment], norm)
             cells.draw_world(axes, item.world)
             cells.draw_places(axes, item.world, side)
-            name = titles.get(item.environment, item.environment)
-            axes.set_title(f"{name}: {item.pairs:,} pairs, T = {item.trajectories}".replace(",", "\u202f"), fontsize=15)
+            axes.set_title(titles.get(item.environment, item.environment))
+            pairs = f"{item.pairs:,}".replace(",", "\u202f")
+            axes.set_xlabel(f"{pairs} pairs, T = {item.trajectories}", loc="left", fontsize=14)
     bar = edge.colorbar(heat, cax=edge.subplots())
-    bar.set_label("share of (start, goal) pairs whose\nsubgoal the state is, % (square-root scale)")
+    bar.set_label("share of the (start, goal) pairs with\nthis subgoal, % (square-root scale)")
     bar.outline.set_visible(False)
     return figure

@@ -74,7 +74,9 @@ def read_growth(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
             raise UserError(f"{path}: no column {column!r}; give the growth table")
     sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
     if sizes.empty or sizes.isna().any(axis=None):
-        raise UserError(f"{path}: runs with different numbers of tasks, or none; make all runs of one configuration")
+        raise UserError(
+            f"{path}: runs with different numbers of tasks, or none; make all runs of one configuration"
+        )
     return sizes.columns.to_numpy(), sizes.to_numpy(dtype=float)
 
 
@@ -108,15 +110,17 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes = figure.add_subplot()
     first = frame.iloc[0]
     bend, last = float(first["breakpoint"]), float(frame["tasks"].max())
-    fit = TwoSlopes(bend, float(first["intercept"]), float(first["slope_before"]), float(first["slope_after"]))
+    fit = TwoSlopes(
+        bend, float(first["intercept"]), float(first["slope_before"]), float(first["slope_after"])
+    )
     colour, _ = style.method_look("ptl")
     tasks = frame["tasks"]
     band = f", {100 * first['confidence']:g} % interval" if frame["ci_low"].notna().any() else ""
-    axes.fill_between(tasks, frame["ci_low"], frame["ci_high"], color=colour, alpha=0.25, linewidth=0)
+    shade = axes.fill_between(tasks, frame["ci_low"], frame["ci_high"], color=colour, alpha=0.25, linewidth=0)
     runs = f"{int(first['runs'])} runs" if first["runs"] > 1 else "1 run"
-    axes.plot(tasks, frame["mean"], "o", color=colour, markersize=7.5, label=f"mean of {runs}{band}", clip_on=False)
+    (dots,) = axes.plot(tasks, frame["mean"], "o", color=colour, markersize=7.5, clip_on=False)
     corners = np.array([float(tasks.min()), bend, last])
-    axes.plot(corners, fit(corners), color=style.INK, linewidth=2.2, label=f"two slopes, bend at {bend:g} tasks")
+    (line,) = axes.plot(corners, fit(corners), color=style.INK, linewidth=2.2)
     axes.axvline(bend, color=style.MUTED, linewidth=1.4, linestyle=(0, (4, 3)), zorder=1)
     top = 1.12 * max(float(np.nanmax(frame[["mean", "ci_high"]].to_numpy())), float(fit(corners).max()), 1.0)
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
@@ -124,7 +128,10 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes.xaxis.get_major_locator().set_params(integer=True)
     # the curve bends downwards, so below it, right of the bend, there is room for words
     arrow = {"arrowstyle": "-", "color": style.MUTED, "shrinkA": 4, "shrinkB": 5}
-    for name, x, place in (("before", 0.6 * bend, (0.31, 0.10)), ("after", bend + 0.62 * (last - bend), (0.66, 0.33))):
+    for name, x, place in (
+        ("before", 0.6 * bend, (0.31, 0.10)),
+        ("after", bend + 0.62 * (last - bend), (0.66, 0.33)),
+    ):
         slope, low, high = (first[f"slope_{name}{end}"] for end in ("", "_low", "_high"))
         text = f"{slope:.2f} skills per task"
         if np.isfinite(low):
@@ -133,5 +140,8 @@ def draw(frame: pd.DataFrame) -> Figure:
             text, (x, float(fit(np.array(x)))), place, textcoords="axes fraction", fontsize=16, va="center",
             arrowprops=arrow,
         )  # fmt: skip
-    axes.legend(loc="upper left")
+    axes.legend(
+        [(shade, dots), line], [f"mean of {runs}{band}", f"two slopes, bend at {bend:g} tasks"],
+        loc="upper left", frameon=True, framealpha=1, edgecolor="none",
+    )  # fmt: skip
     return figure

@@ -32,7 +32,9 @@ def read(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; the columns must be {', '.join(columns)}")
         if not pd.api.types.is_numeric_dtype(frame[column]) or not (frame[column] >= 0).all():
-            raise UserError(f"{path}: column {column!r} holds something that is not a number from 0 up; make it again")
+            raise UserError(
+                f"{path}: column {column!r} holds something that is not a number from 0 up; make it again"
+            )
     return frame[list(columns)]
 
 
@@ -50,3 +52,42 @@ def cost_frame(selection: pd.DataFrame, storage: pd.DataFrame) -> pd.DataFrame:
     frame = pd.concat([times, storage.assign(kind="storage")], ignore_index=True)
     frame = frame[["kind", "states", "skills", "seconds", "fit", "seconds_per_skill", "bytes"]]
     return frame.astype({"states": "Int64", "skills": "Int64", "bytes": "Int64"})
+
+
+@style.styled
+def draw(frame: pd.DataFrame) -> Figure:
+    """Left: time of a selection with its line. Right: bytes of libraries, one line for each number of states."""
+    figure = style.new_figure(style.SLIDE_WIDTH, 5.8)
+    left, right = figure.subplots(1, 2, width_ratios=[1, 1.08])
+    _selection(left, frame[frame["kind"] == "selection"])
+    _storage(right, frame[frame["kind"] == "storage"])
+    return figure
+
+
+def _selection(axes: Axes, part: pd.DataFrame) -> None:
+    slope = MICROSECONDS * float(part["seconds_per_skill"].iloc[0])
+    axes.plot(part["skills"], MICROSECONDS * part["fit"], color=style.INK, linewidth=2,
+              label=f"line: {slope:.2g} µs per skill")  # fmt: skip
+    axes.plot(part["skills"], MICROSECONDS * part["seconds"], "o", color=style.ACCENT, markersize=9, label="measured",
+              clip_on=False)  # fmt: skip
+    axes.set(
+        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="time of one selection, µs CPU"
+    )
+    axes.set_title("Time of a skill selection")
+    axes.legend(loc="upper left")
+
+
+def _storage(axes: Axes, part: pd.DataFrame) -> None:
+    groups = list(part.groupby("states"))
+    shades = style.HEAT(np.linspace(0.45, 1.0, len(groups)))
+    for shade, (states, library) in zip(shades, groups, strict=True):
+        library = library.sort_values("skills")
+        axes.plot(library["skills"].astype(float), library["bytes"] / KIBIBYTE, "o-", color=shade, markersize=7,
+                  label=f"{states}")  # fmt: skip
+    axes.set(
+        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="policies and subgoals, KiB"
+    )
+    axes.set_title("Room for the library")
+    # the largest line comes first, as in the picture
+    lines, labels = axes.get_legend_handles_labels()
+    axes.legend(lines[::-1], labels[::-1], title="states", title_fontsize=15, loc="upper left")

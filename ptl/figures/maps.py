@@ -29,7 +29,7 @@ def draw(world: GridWorld, title: str) -> Figure:
     """Walls, free cells, the start I and the goals; rows and columns numbered from 0."""
     rows, columns = world.shape
     side = cells.cell_side(world, style.SLIDE_WIDTH - 1.2, 7.0)
-    figure = style.new_figure(max(side * columns + 1.2, 6.0), side * rows + 1.5)
+    figure = style.new_figure(max(side * columns + 1.2, 6.0), side * rows + 1.15)
     axes = figure.add_subplot()
     cells.draw_world(axes, world, ticks=True)
     cells.draw_floor(axes, world)

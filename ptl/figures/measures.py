@@ -50,10 +50,11 @@ def measures(
     -------
     DataFrame
         Columns environment, task, method, episode, mean, trailing_mean (of ``window`` episodes), and, the same in all
-        rows of a method, jump_start, asymptotic, threshold (steps) and threshold_episode (empty: not reached).
+        rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty: not reached), window and seeds.
     """
     threshold = threshold_factor * shortest_path
-    curves = {method: steps.steps(environment, method, task).mean(axis=0) for method in methods}
+    runs = {method: steps.steps(environment, method, task) for method in methods}
+    curves = {method: values.mean(axis=0) for method, values in runs.items()}
     parts = []
     for method, mean in curves.items():
         if len(mean) < window:
@@ -63,7 +64,9 @@ def measures(
         trailing = trailing_mean(mean, window)
         below = np.flatnonzero(trailing <= threshold)
         part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "trailing_mean": trailing})
-        for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
+        for place, (name, value) in enumerate(
+            (("environment", environment), ("task", task), ("method", method))
+        ):
             part.insert(place, name, value)
         parts.append(
             part.assign(
@@ -72,6 +75,7 @@ def measures(
                 threshold=threshold,
                 threshold_episode=below[0] + 1 if below.size else np.nan,
                 window=window,
+                seeds=len(runs[method]),
             )
         )
     return pd.concat(parts, ignore_index=True)
@@ -92,12 +96,13 @@ def draw(frame: pd.DataFrame, title: str) -> Figure:
         firsts.append(float(curve["mean"].iloc[0]))
     axes.set_yscale("log")
     axes.set_xlim(-0.025 * episodes, episodes * 1.01)
-    axes.set(xlabel="episode", ylabel=f"steps per episode, and mean of the last {window}")
-    axes.set_title(title)
+    axes.set(xlabel="episode", ylabel="steps per episode")
+    seeds = int(frame["seeds"].iloc[0])
+    axes.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}")
     _jump_start(axes, firsts, episodes)
     _threshold(axes, frame, episodes)
     _asymptotic(axes, frame, episodes, window)
-    axes.legend(loc="upper right")
+    axes.legend(loc="upper right", title=f"thick: mean of the last {window} episodes", title_fontsize=14)
     return figure
 
 
@@ -115,7 +120,11 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
     level = float(frame["threshold"].iloc[0])
     axes.axhline(level, color=style.INK, linewidth=1.3, linestyle=(0, (4, 3)), zorder=1)
     lowest = min(level, float(frame["mean"].min()))
-    methods = list(dict.fromkeys(frame["method"]))
+    # the longest way comes first (undefined ones before it), so that no line crosses words
+    order = frame.drop_duplicates("method").sort_values(
+        "threshold_episode", ascending=False, na_position="first"
+    )
+    methods = order["method"].tolist()
     axes.set_ylim(bottom=lowest / DIMENSION_STEP ** (len(methods) + 0.8))
     for number, method in enumerate(methods, start=1):
         row = frame[frame["method"] == method].iloc[0]
@@ -134,7 +143,8 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
             axes.text(episode + 0.012 * episodes, height, words, color=colour, va="center", fontsize=15)
         else:
             axes.text(episode / 2, height * 1.06, words, color=colour, ha="center", va="bottom", fontsize=15)
-    axes.text(episodes, level, f"threshold, {level:g} steps", ha="right", va="bottom", fontsize=15, zorder=6, bbox=GROUND)
+    beside = axes.get_yaxis_transform()
+    axes.text(1.012, level, f"threshold\n{level:g} steps", transform=beside, va="center", fontsize=15)
 
 
 def _asymptotic(axes: Axes, frame: pd.DataFrame, episodes: int, window: int) -> None:
@@ -146,7 +156,7 @@ def _asymptotic(axes: Axes, frame: pd.DataFrame, episodes: int, window: int) -> 
         axes.plot(episodes, end, "s", color=colour, markersize=9, zorder=6, clip_on=False)
     top = float(ends["asymptotic"].max())
     axes.annotate(
-        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2, top * 1.25),
-        (0.985, 0.62), textcoords="axes fraction", ha="right", va="center", fontsize=17,
+        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2, top * 1.2),
+        (0.97, 0.6), textcoords="axes fraction", ha="right", va="center", fontsize=17,
         arrowprops={"arrowstyle": "->", "color": style.INK, "linewidth": 1.8},
     )  # fmt: skip

@@ -43,7 +43,9 @@ def draw(world: GridWorld, frame: pd.DataFrame, title: str) -> Figure:
     """The relative prior of every state on a log scale; walls do not count, which is the point of the picture."""
     rows, columns = world.shape
     side = cells.cell_side(world, style.SLIDE_WIDTH - 2.2, 6.4)
-    figure = style.new_figure(max(side * columns + 2.2, 7.0), max(side * rows + 1.1, 4.2), layout="compressed")
+    figure = style.new_figure(
+        max(side * columns + 2.2, 7.0), max(side * rows + 1.1, 4.2), layout="compressed"
+    )
     axes = figure.add_subplot()
     goal = str(frame["goal"].iloc[0])
     values = frame["relative_prior"].to_numpy()

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 
@@ -35,9 +36,23 @@ ACCENT = "#0f7f8c"
 CONTRAST = "#c2571a"
 """Colours that are not those of a method (methods carry their own): text, lines, map cells and emphasis."""
 
-# The light end of the map must be paper and the dark end must not be taken for a wall, so black is left out.
-HEAT = ListedColormap(mpl.colormaps["magma_r"](range(0, 216)), name="ptl_heat")
-"""Perceptually uniform, colour-blind-safe colour map, from near white (nothing) to deep purple (much)."""
+CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#4a4a4a")
+"""Colours of things that are not methods, told apart also by the colour-blind; none is a method's."""
+
+
+def _heat() -> ListedColormap:
+    """Reversed magma between paper and deep purple: nothing looks like floor, and much does not look like wall."""
+    colours = mpl.colormaps["magma_r"](np.arange(216))
+    to_paper = np.linspace(1, 0, 30)[:, np.newaxis]
+    colours[:30, :3] = to_paper + (1 - to_paper) * colours[:30, :3]
+    return ListedColormap(colours, name="ptl_heat")
+
+
+HEAT = _heat()
+"""Colour map for the colour-blind too, nearly uniform in perception, from white (nothing) to deep purple (much)."""
+
+PALE_HEAT = ListedColormap(HEAT(np.linspace(0, 0.55, 256)), name="ptl_pale_heat")
+"""The lighter part of `HEAT`, for a ground on which lines are drawn."""
 
 PARAMETERS = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so figures are the same on every machine
@@ -121,7 +136,9 @@ def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> N
     """
     path = Path(path)
     if path.suffix != ".png":
-        raise UserError(f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png")
+        raise UserError(
+            f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png"
+        )
     with atomic_path(path) as png, atomic_path(path.with_suffix(".svg")) as svg:
         figure.savefig(png, dpi=PNG_RESOLUTION, metadata={"Software": None})
         figure.savefig(svg, metadata={"Date": None, "Creator": None})

@@ -60,3 +60,16 @@ def learning_files(environments=ENVIRONMENTS, methods=METHODS):
         method=methods,
         seed=SEEDS,
     )
+
+
+def title_of(environment):
+    """Name of an environment in captions and figures."""
+    return config["environments"][environment]["title"] or environment
+
+
+def titles_option():
+    """The environments with their titles, in order, as quoted command line options."""
+    return " ".join(
+        "--environment " + shlex.quote(f"{name}={title_of(name)}")
+        for name in ENVIRONMENTS
+    )

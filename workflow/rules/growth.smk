@@ -6,6 +6,10 @@ rule grow:
         map=config["environments"][config["growth"]["environment"]]["map"],
     output:
         RESULTS + "/growth/run_{run}.h5",
+    log:
+        "logs/" + RESULTS + "/growth/run_{run}.log",
+    conda:
+        "../envs/ptl.yaml"
     params:
         environment=config["growth"]["environment"],
         tasks=config["growth"]["tasks"],
@@ -13,18 +17,17 @@ rule grow:
         root_seed=config["root_seed"],
         parameters=hyper_parameters("learning", "skills", "subgoals"),
         code=code_digest("ptl.growth", "ptl.methods.ptl", "ptl.store"),
-    log:
-        "logs/" + RESULTS + "/growth/run_{run}.log",
     message:
         "Growing a library over random tasks, run {wildcards.run}"
-    conda:
-        "../envs/ptl.yaml"
     shell:
-        PTL + " grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
+        PTL
+        + " grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
         " --run {params.run} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
 
 rule growth:
     input:
-        expand(RESULTS + "/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])),
+        expand(
+            RESULTS + "/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])
+        ),

@@ -6,20 +6,23 @@ rule learn:
         map=map_of,
     output:
         RESULTS + "/learning/{environment}/{method}/seed_{seed}.h5",
+    log:
+        "logs/" + RESULTS + "/learning/{environment}/{method}/seed_{seed}.log",
+    conda:
+        "../envs/ptl.yaml"
     params:
         seed=lambda wildcards: int(wildcards.seed),
         root_seed=config["root_seed"],
         tasks=lambda wildcards: config["environments"][wildcards.environment]["tasks"],
         parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
-        code=lambda wildcards: code_digest("ptl.learning", f"ptl.methods.{wildcards.method}", "ptl.store"),
-    log:
-        "logs/" + RESULTS + "/learning/{environment}/{method}/seed_{seed}.log",
+        code=lambda wildcards: code_digest(
+            "ptl.learning", f"ptl.methods.{wildcards.method}", "ptl.store"
+        ),
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"
-    conda:
-        "../envs/ptl.yaml"
     shell:
-        PTL + " learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
+        PTL
+        + " learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
         " --method {wildcards.method} --seed {params.seed} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 

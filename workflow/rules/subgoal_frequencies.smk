@@ -6,6 +6,12 @@ rule survey_batch:
         map=map_of,
     output:
         temp(RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.h5"),
+    log:
+        "logs/" + RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.log",
+    # The longest jobs of the run go first, so that short ones fill the gap at the end.
+    priority: 1
+    conda:
+        "../envs/ptl.yaml"
     params:
         batches=config["subgoal_frequencies"]["batches"],
         starts=config["subgoal_frequencies"]["starts"],
@@ -13,16 +19,11 @@ rule survey_batch:
         root_seed=config["root_seed"],
         parameters=hyper_parameters("learning"),
         code=code_digest("ptl.frequencies", "ptl.store"),
-    log:
-        "logs/" + RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.log",
-    # The longest jobs of the run go first, so that short ones fill the gap at the end.
-    priority: 1
     message:
         "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.batches}"
-    conda:
-        "../envs/ptl.yaml"
     shell:
-        PTL + " survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
+        PTL
+        + " survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
         " --batches {params.batches} --starts {params.starts} --trajectories {params.trajectories}"
         " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
@@ -35,18 +36,20 @@ rule merge_survey:
         ),
     output:
         RESULTS + "/subgoal_frequencies/{environment}.h5",
-    params:
-        code=code_digest("ptl.frequencies", "ptl.store"),
     log:
         "logs/" + RESULTS + "/subgoal_frequencies/{environment}.log",
-    message:
-        "Adding up the subgoals of {wildcards.environment}"
     conda:
         "../envs/ptl.yaml"
+    params:
+        code=code_digest("ptl.frequencies", "ptl.store"),
+    message:
+        "Adding up the subgoals of {wildcards.environment}"
     shell:
         PTL + " survey merge {input:q} --output {output:q} 2> {log:q}"
 
 
 rule subgoal_frequencies:
     input:
-        expand(RESULTS + "/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS),
+        expand(
+            RESULTS + "/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS
+        ),

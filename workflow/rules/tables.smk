@@ -1,0 +1,49 @@
+# Estimates with their intervals, and the article's tables.
+
+TABLE_FORMATS = ["html", "md", "tex", "csv"]
+TABLES = [f"table{number}" for number in range(1, 2 * len(ENVIRONMENTS) + 1)]
+
+
+rule tabulate:
+    input:
+        per_seed=rules.measure.output.per_seed,
+    output:
+        metrics=REPORTS + "/tables/metrics.csv",
+        tables=expand(
+            REPORTS + "/tables/{table}.{format}",
+            table=TABLES,
+            format=TABLE_FORMATS[1:],
+        ),
+        pages=report(
+            expand(REPORTS + "/tables/{table}.html", table=TABLES),
+            caption="../report/table.rst",
+            category="3 Tables",
+        ),
+    log:
+        "logs/" + RESULTS + "/tabulate.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        folder=REPORTS + "/tables",
+        environments=titles_option(),
+        window=config["measures"]["window"],
+        threshold_factor=config["measures"]["threshold_factor"],
+        confidence=config["statistics"]["confidence"],
+        resamples=config["statistics"]["resamples"],
+        code=code_digest("ptl.commands.tables", "ptl.statistics", "ptl.tables"),
+        labels=code_digest(*[f"ptl.methods.{method}" for method in METHODS]),
+    message:
+        "Estimating every measure and laying out {output.metrics} and the tables"
+    shell:
+        PTL
+        + " tables {input.per_seed:q} --output-metrics {output.metrics:q} --output-folder {params.folder:q}"
+        " {params.environments} --window {params.window}"
+        " --threshold-factor {params.threshold_factor} --confidence {params.confidence}"
+        " --resamples {params.resamples} 2> {log:q}"
+
+
+rule tables:
+    input:
+        rules.tabulate.output,
+        rules.collect_growth.output,
+        rules.library_cost.output,

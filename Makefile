@@ -1,0 +1,72 @@
+# The commands of the README. Each one does its own set-up in .venv; nothing else is touched.
+
+PYTHON ?= python3
+CORES ?= 2
+RUN_TOOLS = .venv/.run-tools
+TEST_TOOLS = .venv/.test-tools
+SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
+SOURCES = setup.py pyproject.toml $(wildcard ptl/*.pyx ptl/*.pxd)
+
+export PATH := $(CURDIR)/.venv/bin:$(PATH)
+export PIP_DISABLE_PIP_VERSION_CHECK = 1
+
+.DELETE_ON_ERROR:
+.PHONY: help reproduce smoke report robustness benchmark test test-all lint format build clean lock
+
+help:  ## Show this list.
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+reproduce: build  ## Everything: all runs, tables, figures, verdicts and reports/published/report.html.
+	$(SNAKEMAKE)
+	$(SNAKEMAKE) --report reports/published/report.html
+
+smoke: build  ## The same DAG on a small configuration, in under two minutes.
+	$(SNAKEMAKE) --configfile config/smoke.yaml
+	$(SNAKEMAKE) --configfile config/smoke.yaml --report reports/smoke/report.html
+
+test: $(TEST_TOOLS) build  ## The quick test suite.
+	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow"
+
+test-all: $(TEST_TOOLS) build  ## The whole test suite.
+	.venv/bin/python -m pytest -q -n $(CORES)
+
+lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
+	.venv/bin/ruff check .
+	.venv/bin/ruff format --check .
+	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/snakemake --lint
+
+format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint checks.
+	.venv/bin/ruff check --fix .
+	.venv/bin/ruff format .
+	.venv/bin/snakefmt Snakefile workflow
+
+build: .venv/.built  ## Install the package into .venv and compile its kernel.
+
+.venv/.built: $(RUN_TOOLS) $(SOURCES)
+	@command -v $${CC:-cc} >/dev/null || { \
+	  echo "error: no C compiler found; ptl needs one (on Debian or Ubuntu: apt-get install build-essential)" >&2; exit 1; }
+	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable . || { \
+	  echo "error: the package could not be built; see the lines above" >&2; exit 1; }
+	@touch $@
+
+$(RUN_TOOLS): requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "error: Python 3.11 or newer is needed; name one with 'make PYTHON=python3.12 ...'" >&2; exit 1; }
+	@test -x .venv/bin/python || $(PYTHON) -m venv .venv
+	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
+	@touch $@
+
+$(TEST_TOOLS): requirements-test.lock $(RUN_TOOLS)
+	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements-test.lock
+	@touch $@
+
+clean:  ## Remove results and workflow state (published products and .venv stay).
+	rm -rf results logs .snakemake build
+
+lock: $(TEST_TOOLS)  ## Resolve the locked requirements anew (needs uv).
+	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
+	  --no-emit-index-url --no-header --no-annotate pyproject.toml requirements-build.in -o requirements.lock
+	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
+	  --no-emit-index-url --no-header --no-annotate pyproject.toml requirements-build.in --extra test --extra slurm \
+	  -c requirements.lock -o requirements-test.lock
