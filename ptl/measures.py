@@ -29,6 +29,7 @@ PER_SEED_COLUMNS = (
 
 SUBGOAL_COLUMNS = (
     "environment", "method", "seed", "task", "subgoal", "row", "column", "novelty", "metric_value", "reason",
+    "incremental_peak", "original_peak",
 )  # fmt: skip
 
 
@@ -106,7 +107,8 @@ class Measurements:
     subgoals : DataFrame
         Columns `SUBGOAL_COLUMNS`, a row for each task of the methods that keep a library. The subgoal is -1
         and its cell missing if none was added, for the reason given; the value is the greatest of the
-        incremental metric.
+        incremental metric. The peaks are the states where either metric is greatest, whether the library
+        added a skill or not, and -1 where the metric is 0 everywhere.
     steps : dict
         (environment, method, task) to int64 array (seeds, episodes), seeds in ascending order.
     seeds : tuple of int
@@ -152,8 +154,13 @@ class _Collection:
         row, column = file.world.cells[task.subgoal] if task.subgoal >= 0 else (None, None)
         self.subgoals.append(
             (file.environment, file.method, file.seed, letter, task.subgoal, row, column, task.novelty,
-             float(np.max(task.incremental)), task.reason)
+             float(np.max(task.incremental)), task.reason, _peak(task.incremental), _peak(task.original))
         )  # fmt: skip
+
+
+def _peak(metric: np.ndarray) -> int:
+    """State where a metric is greatest, the first of several; -1 if it is 0 everywhere."""
+    return int(np.argmax(metric)) if np.any(metric) else -1
 
 
 def measure_files(
@@ -280,7 +287,8 @@ def _integers(values: np.ndarray | None, length: int = 0) -> pd.Series:
 
 def _subgoal_frame(rows: list[tuple[object, ...]], steps: Iterable[tuple[str, str, str]]) -> pd.DataFrame:
     frame = pd.DataFrame(rows, columns=list(SUBGOAL_COLUMNS))
-    frame = frame.astype({"seed": "int64", "subgoal": "int64", "row": "Int64", "column": "Int64"})
+    whole = ("seed", "subgoal", "incremental_peak", "original_peak")
+    frame = frame.astype(dict.fromkeys(whole, "int64") | {"row": "Int64", "column": "Int64"})
     order = [(environment, method) for environment, method, _ in steps]
     ranks = {pair: rank for rank, pair in enumerate(dict.fromkeys(order))}
     frame["rank"] = [ranks[pair] for pair in zip(frame["environment"], frame["method"], strict=True)]

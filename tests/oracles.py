@@ -98,3 +98,14 @@ def reachable(successors: np.ndarray, state: int) -> set[int]:
                 found.add(after)
                 waiting.append(after)
     return found
+
+
+def distances_over(
+    successors: np.ndarray, known: np.ndarray, target: int, *, both_ways: bool = False
+) -> np.ndarray:
+    """Steps from every state to ``target`` over the known transitions only, shape (n_states,), -1 if unreachable."""
+    states, actions = np.nonzero(known)
+    n = len(successors)
+    graph = csr_array((np.ones(len(states)), (states, successors[states, actions])), shape=(n, n))
+    steps = shortest_path(graph.T, unweighted=True, directed=not both_ways, indices=target)
+    return np.where(np.isinf(steps), -1, steps).astype(int)

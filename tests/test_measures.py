@@ -103,6 +103,7 @@ class Shelf:
             "subgoal": -1,
             "novelty": 0.0,
             "incremental": np.zeros(world.n_states),
+            "original": np.zeros(world.n_states),
             "reason": "no rest",
         }
         name = f"{environment}-{method}-{seed}-{task}-{len(self.files)}"
@@ -172,14 +173,19 @@ def test_subgoals_only_of_methods_with_a_library(shelf):
     door = world.state_at(1, 1)
     metric = np.zeros(world.n_states)
     metric[door] = 0.7
+    whole = np.zeros(world.n_states)
+    whole[2] = 0.1
+    details = {"subgoal": door, "novelty": 3.5, "incremental": metric, "original": whole, "reason": "new"}
     shelf.put("no_transfer", 0, [9, 9, 9])
-    shelf.put("ptl", 0, [9, 9, 9], library=[], subgoal=door, novelty=3.5, incremental=metric, reason="new")
+    shelf.put("ptl", 0, [9, 9, 9], library=[], **details)
     shelf.put("ptl_supervised", 0, [9, 9, 9], library=[])
     frame = measure(shelf).subgoals
     assert tuple(frame.columns) == measures.SUBGOAL_COLUMNS
     assert frame["method"].tolist() == ["ptl", "ptl_supervised"]
     assert frame.loc[0, ["row", "column", "novelty", "metric_value"]].tolist() == [1, 1, 3.5, 0.7]
     assert frame["subgoal"].tolist() == [door, -1]
+    assert frame["incremental_peak"].tolist() == [door, -1]
+    assert frame["original_peak"].tolist() == [2, -1]
     assert pd.isna(frame.loc[1, "row"])
 
 

@@ -152,7 +152,7 @@ def curves(
     confidence: float,
     output: Path,
 ) -> None:
-    """Draw steps per episode of several methods from the file STEPS, one panel per environment (figure 12)."""
+    """Draw steps per episode of methods from the file STEPS, one panel per environment (figure 12)."""
     from ptl.figures import curves as figure
     from ptl.figures import style
     from ptl.figures.steps import open_steps

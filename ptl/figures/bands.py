@@ -15,8 +15,8 @@ def mean_band(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Mean over runs and the ends of its percentile bootstrap interval, point by point.
 
-    Whole runs are resampled, the same ones for all points. (Tables use the BCa interval; the percentile interval
-    is enough for a band and is cheap for thousands of points. Our choice.)
+    Whole runs are resampled, the same ones for all points. (Tables use the BCa interval; the percentile
+    interval is enough for a band and is cheap for thousands of points. Our choice.)
 
     Parameters
     ----------

@@ -48,7 +48,8 @@ def curves(
     Returns
     -------
     DataFrame
-        Columns environment, task, method, episode (from 1), mean, ci_low, ci_high, seeds, shortest_path, confidence.
+        Columns environment, task, method, episode (from 1), mean, ci_low, ci_high, seeds, shortest_path,
+        confidence.
     """
     parts = []
     for environment, world in worlds.items():

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ptl.store import TaskView
 
 METRICS = ("original", "incremental")
+NARROWEST, LOWEST = 2.3, 3.2
+"""Inches: least width of a panel (for its title) and least height of all (for the colour bar's label)."""
 RING = (6.0, 19.0)
 """Diameter in points of a ring for one seed and for all seeds."""
 
@@ -50,8 +52,8 @@ def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
     -------
     Discoveries
         The frame has columns environment, method, task, metric, state, row, column, value (mean over seeds of
-        f*d, 0 to 1), chosen (seeds whose subgoal this state is) and seeds. The original metric chooses its argmax,
-        the incremental metric what was added to the library, which may be nothing.
+        f*d, 0 to 1), chosen (seeds whose subgoal this state is) and seeds. The original metric chooses its
+        argmax, the incremental metric what was added to the library, which may be nothing.
     """
     sums: dict[tuple[str, str], np.ndarray] = {}
     chosen: dict[tuple[str, str], np.ndarray] = {}
@@ -65,8 +67,8 @@ def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
                 identity, world = found, file.world
             if found != identity:
                 raise UserError(
-                    f"{path}: environment {file.environment}, method {file.method} or its map differs from the files"
-                    " before; give the seeds of one environment and one method"
+                    f"{path}: environment {file.environment}, method {file.method} or its map differs from"
+                    " the files before; give the seeds of one environment and one method"
                 )
             if file.library is None:
                 raise UserError(
@@ -109,15 +111,15 @@ def _choice(view: TaskView, metric: str, values: np.ndarray) -> int:
 
 @style.styled
 def draw(discoveries: Discoveries, title: str) -> Figure:
-    """Tasks by metrics, on one colour scale; rings mark the chosen subgoals, the larger the more seeds chose them."""
+    """Tasks by metrics on one colour scale; rings mark chosen subgoals, larger if more seeds chose them."""
     world, frame = discoveries.world, discoveries.frame
     tasks = list(dict.fromkeys(frame["task"]))
-    rows, columns = world.shape
     # Wide maps get one row per task, others one column, whichever makes larger cells on a slide.
     by_row, by_column = (len(tasks), len(METRICS)), (len(METRICS), len(tasks))
-    grids = {shape: _cell_side(world, *shape) for shape in (by_row, by_column)}
-    shape = max(grids, key=lambda shape: grids[shape])
-    side = grids[shape]
+    sides = {shape: _cell_side(world, *shape) for shape in (by_row, by_column)}
+    shape = max(sides, key=lambda shape: sides[shape])
+    side = sides[shape]
+    room = rows, columns = cells.roomy(world, side, NARROWEST, LOWEST / shape[0])
     width = shape[1] * (side * columns + 0.25) + 1.5
     height = shape[0] * (side * rows + 0.45) + 1.35
     figure = style.new_figure(max(width, 8.5), height, layout="compressed")
@@ -126,12 +128,12 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
         panels = panels.T
     norm = Normalize(0, max(float(frame["value"].max()), 0.01))
     seeds = int(frame["seeds"].iloc[0])
-    groups = {key: part for key, part in frame.groupby(["task", "metric"], sort=False)}
+    groups = dict(list(frame.groupby(["task", "metric"], sort=False)))
     for row, task in zip(panels, tasks, strict=True):
         for axes, metric in zip(row, METRICS, strict=True):
             part = groups[task, metric]
             heat = cells.draw_heat(axes, world, part["value"].to_numpy(), norm)
-            cells.draw_world(axes, world)
+            cells.draw_world(axes, world, room=room)
             cells.draw_places(axes, world, side, goals=[task])
             marked = part[part["chosen"] > 0]
             cells.draw_rings(
@@ -144,7 +146,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
     bar.set_label("metric f·d, mean over seeds")
     bar.outline.set_visible(False)
     figure.suptitle(
-        f"{title}: subgoal discovery, {seeds} seeds",
+        f"{title}: subgoal discovery, {seeds} seed{'s' if seeds > 1 else ''}",
         x=0.09 / figure.get_figwidth(),
         ha="left",
         fontsize=18,

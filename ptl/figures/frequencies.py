@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 GAP = 1.75
 """Inches beside a map for its colour bar."""
+NARROWEST = 0.6
+"""Least ratio of width to height of a panel."""
 HEAD = 1.0
 """Inches above and below a map for its title and margins."""
 
@@ -59,7 +61,10 @@ def read(paths: Iterable[str | Path]) -> list[Frequencies]:
 
 
 def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:
-    """Columns environment, state, row, column, count, share (percent of pairs), pairs, unresolved, trajectories."""
+    """The plotted numbers.
+
+    Columns environment, state, row, column, count, share (percent of pairs), pairs, unresolved, trajectories.
+    """
     parts = []
     for item in items:
         rows, columns = item.world.cells.T
@@ -76,10 +81,12 @@ def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:
 def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     """A heat map for each environment, on one colour scale (square root), so that they can be compared."""
     worlds = [item.world for item in items]
-    arrangement = cells.pack([world.shape for world in worlds])
+    # panels get room for the words above and below even if the map is a narrow tower
+    rooms = [(rows, max(columns, NARROWEST * rows)) for rows, columns in (world.shape for world in worlds)]
+    arrangement = cells.pack(rooms)
     sides, heights = [], []
     for row in arrangement:
-        shapes = [worlds[index].shape for index in row]
+        shapes = [rooms[index] for index in row]
         width = style.SLIDE_WIDTH - GAP - 0.35 * len(row)
         scale = sum(columns / rows for rows, columns in shapes)
         height = min(width / scale, *(cells.LARGEST_CELL * rows for rows, _ in shapes), 6.0)
@@ -91,12 +98,12 @@ def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str,
     norm = PowerNorm(0.5, 0, max(float(frame["share"].max()), 0.01))
     shares = {name: part["share"].to_numpy() for name, part in frame.groupby("environment", sort=False)}
     for band, row, row_sides in zip(bands, arrangement, sides, strict=True):
-        ratios = [worlds[index].shape[1] / worlds[index].shape[0] for index in row]
+        ratios = [rooms[index][1] / rooms[index][0] for index in row]
         panels = band.subplots(1, len(row), width_ratios=ratios, squeeze=False)[0]
         for axes, index, side in zip(panels, row, row_sides, strict=True):
             item = items[index]
             heat = cells.draw_heat(axes, item.world, shares[item.environment], norm)
-            cells.draw_world(axes, item.world)
+            cells.draw_world(axes, item.world, room=rooms[index])
             cells.draw_places(axes, item.world, side)
             axes.set_title(titles.get(item.environment, item.environment))
             pairs = f"{item.pairs:,}".replace(",", "\u202f")

@@ -30,6 +30,7 @@ class TwoSlopes:
     after: float
 
     def __call__(self, tasks: np.ndarray) -> np.ndarray:
+        """Height of the line, float array of the shape of ``tasks``."""
         tasks = np.asarray(tasks, dtype=float)
         first, second = np.minimum(tasks, self.bend), np.maximum(tasks - self.bend, 0)
         return self.intercept + self.before * first + self.after * second
@@ -56,15 +57,16 @@ def _projector(tasks: np.ndarray, bend: float) -> np.ndarray:
     tasks = np.asarray(tasks, dtype=float)
     if np.count_nonzero(tasks <= bend) < 2 or not np.any(tasks > bend):
         raise UserError(
-            f"growth: a fit that bends at {bend:g} tasks needs two points up to there and one beyond, but the tasks go"
-            f" from {tasks.min():g} to {tasks.max():g}; let lives have more tasks or move growth.breakpoint"
+            f"growth: a fit that bends at {bend:g} tasks needs two points up to there and one beyond, but the"
+            f" tasks go from {tasks.min():g} to {tasks.max():g}; let lives have more tasks or move"
+            " growth.breakpoint"
         )
     design = np.column_stack([np.ones_like(tasks), np.minimum(tasks, bend), np.maximum(tasks - bend, 0)])
     return np.linalg.pinv(design)
 
 
 def read_growth(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
-    """Number of tasks (points,) and library size (runs, points) of a file with columns run, tasks, library_size."""
+    """Tasks (points,) and library sizes (runs, points) of a file with columns run, tasks, library_size."""
     try:
         frame = pd.read_csv(path)
     except (OSError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
@@ -140,8 +142,7 @@ def draw(frame: pd.DataFrame) -> Figure:
             text, (x, float(fit(np.array(x)))), place, textcoords="axes fraction", fontsize=16, va="center",
             arrowprops=arrow,
         )  # fmt: skip
-    axes.legend(
-        [(shade, dots), line], [f"mean of {runs}{band}", f"two slopes, bend at {bend:g} tasks"],
-        loc="upper left", frameon=True, framealpha=1, edgecolor="none",
-    )  # fmt: skip
+    handles = [(shade, dots) if band else dots, line]
+    labels = [f"mean of {runs}{band}", f"two slopes, bend at {bend:g} tasks"]
+    axes.legend(handles, labels, loc="upper left", frameon=True, framealpha=1, edgecolor="none")
     return figure

@@ -41,8 +41,8 @@ def read(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
 def cost_frame(selection: pd.DataFrame, storage: pd.DataFrame) -> pd.DataFrame:
     """The plotted numbers.
 
-    Columns kind (selection or storage), states, skills, seconds (median of the repetitions), fit (least-squares
-    line through all repetitions, seconds), seconds_per_skill (its slope), bytes.
+    Columns kind (selection or storage), states, skills, seconds (median of the repetitions), fit
+    (least-squares line through all repetitions, seconds), seconds_per_skill (its slope), bytes.
     """
     if selection["skills"].nunique() < 2:
         raise UserError("time of a selection: a line needs two library sizes; measure another size")
@@ -56,7 +56,7 @@ def cost_frame(selection: pd.DataFrame, storage: pd.DataFrame) -> pd.DataFrame:
 
 @style.styled
 def draw(frame: pd.DataFrame) -> Figure:
-    """Left: time of a selection with its line. Right: bytes of libraries, one line for each number of states."""
+    """Left: time of a selection and its line. Right: size of libraries, one line per number of states."""
     figure = style.new_figure(style.SLIDE_WIDTH, 5.8)
     left, right = figure.subplots(1, 2, width_ratios=[1, 1.08])
     _selection(left, frame[frame["kind"] == "selection"])
@@ -66,15 +66,13 @@ def draw(frame: pd.DataFrame) -> Figure:
 
 def _selection(axes: Axes, part: pd.DataFrame) -> None:
     slope = MICROSECONDS * float(part["seconds_per_skill"].iloc[0])
-    axes.plot(part["skills"], MICROSECONDS * part["fit"], color=style.INK, linewidth=2,
-              label=f"line: {slope:.2g} µs per skill")  # fmt: skip
-    axes.plot(part["skills"], MICROSECONDS * part["seconds"], "o", color=style.ACCENT, markersize=9, label="measured",
-              clip_on=False)  # fmt: skip
-    axes.set(
-        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="time of one selection, µs CPU"
-    )
+    skills, times = part["skills"].astype(float), MICROSECONDS * part["seconds"]
+    (dots,) = axes.plot(skills, times, "o", color=style.ACCENT, markersize=9, clip_on=False, zorder=3)
+    (line,) = axes.plot(skills, MICROSECONDS * part["fit"], color=style.INK, linewidth=2)
+    axes.set(xlim=(0, None), ylim=(0, None))
+    axes.set(xlabel="skills in the library", ylabel="CPU time of one selection, µs")
     axes.set_title("Time of a skill selection")
-    axes.legend(loc="upper left")
+    axes.legend([dots, line], ["measured", f"line: {slope:.2g} µs per skill"], loc="upper left")
 
 
 def _storage(axes: Axes, part: pd.DataFrame) -> None:
@@ -82,10 +80,12 @@ def _storage(axes: Axes, part: pd.DataFrame) -> None:
     shades = style.HEAT(np.linspace(0.45, 1.0, len(groups)))
     for shade, (states, library) in zip(shades, groups, strict=True):
         library = library.sort_values("skills")
-        axes.plot(library["skills"].astype(float), library["bytes"] / KIBIBYTE, "o-", color=shade, markersize=7,
-                  label=f"{states}")  # fmt: skip
+        kibibytes = library["bytes"].astype(float) / KIBIBYTE
+        axes.plot(
+            library["skills"].astype(float), kibibytes, "o-", color=shade, markersize=7, label=str(states)
+        )
     axes.set(
-        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="policies and subgoals, KiB"
+        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="size of the library, KiB"
     )
     axes.set_title("Room for the library")
     # the largest line comes first, as in the picture

@@ -43,14 +43,15 @@ def measures(
 ) -> pd.DataFrame:
     """The mean curve of two methods and the three measures of these curves.
 
-    Measures of the tables are means of per-seed measures; those here are measures of the mean curve, because that is
-    what can be seen in the picture. The jump start is the same in both.
+    Measures of the tables are means of per-seed measures; those here are measures of the mean curve, because
+    that is what can be seen in the picture. Jump start and asymptotic performance are the same in both.
 
     Returns
     -------
     DataFrame
-        Columns environment, task, method, episode, mean, trailing_mean (of ``window`` episodes), and, the same in all
-        rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty: not reached), window and seeds.
+        Columns environment, task, method, episode, mean, trailing_mean (of ``window`` episodes), and, the
+        same in all rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty:
+        not reached), window and seeds.
     """
     threshold = threshold_factor * shortest_path
     runs = {method: steps.steps(environment, method, task) for method in methods}
@@ -59,7 +60,8 @@ def measures(
     for method, mean in curves.items():
         if len(mean) < window:
             raise UserError(
-                f"{steps.path}: {len(mean)} episodes are too few for a window of {window}; learn for more episodes"
+                f"{steps.path}: {len(mean)} episodes are too few for a window of {window}; learn for more"
+                " episodes or make measures.window smaller"
             )
         trailing = trailing_mean(mean, window)
         below = np.flatnonzero(trailing <= threshold)
@@ -116,7 +118,7 @@ def _jump_start(axes: Axes, firsts: list[float], episodes: int) -> None:
 
 
 def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
-    """Level of the threshold, the way down from where each curve meets it, and how far that is from the start."""
+    """Level of the threshold, the way down from where each curve meets it, and the way there."""
     level = float(frame["threshold"].iloc[0])
     axes.axhline(level, color=style.INK, linewidth=1.3, linestyle=(0, (4, 3)), zorder=1)
     lowest = min(level, float(frame["mean"].min()))
@@ -129,7 +131,7 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
     for number, method in enumerate(methods, start=1):
         row = frame[frame["method"] == method].iloc[0]
         colour, _ = style.method_look(method)
-        height = lowest / DIMENSION_STEP ** (len(methods) + 1 - number)
+        height = lowest / DIMENSION_STEP**number
         if np.isnan(row["threshold_episode"]):
             axes.text(0, height, "threshold not reached", color=colour, va="center", fontsize=15)
             continue

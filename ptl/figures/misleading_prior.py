@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -39,10 +39,10 @@ class Selections:
     task : str
         Goal letter.
     frame : DataFrame
-        Columns skill (the task that taught it, `NULL_SKILL` for the null skill), episode (from 1), probability (mean
-        over runs at the beginning of the episode, so that episode 1 has the prior), ci_low, ci_high, subgoal, row,
-        column (of most runs), subgoal_runs (how many), distance (Euclidean, subgoal to goal, cells), path (shortest,
-        steps), runs.
+        Columns skill (the task that taught it, `NULL_SKILL` for the null skill), episode (from 1),
+        probability (mean over runs at the beginning of the episode, so that episode 1 has the prior),
+        ci_low, ci_high, subgoal, row, column (of most runs), subgoal_runs (how many), distance (Euclidean,
+        subgoal to goal, cells), path (shortest, steps), runs.
     relative_prior : float array, shape (n_states,)
         Prior of a skill with its subgoal in each state, relative to one that ends at the goal.
     """
@@ -67,8 +67,8 @@ def collect(paths: Iterable[str | Path], task: str | None = None, confidence: fl
     confidence : float
     """
     world: GridWorld | None = None
-    parameters: dict[str, dict] | None = None
-    runs: list[tuple[dict[str, int], dict[str, np.ndarray]]] = []
+    parameters: dict[str, Any] | None = None
+    runs: list[tuple[dict[str, int], np.ndarray]] = []
     for path in paths:
         with open_learning(path) as file:
             if file.method != "ptl":
@@ -77,7 +77,7 @@ def collect(paths: Iterable[str | Path], task: str | None = None, confidence: fl
                 )
             if world is None or parameters is None:
                 world, parameters = file.world, file.parameters
-                task = task or list(file.tasks)[-1]
+            task = task or list(file.tasks)[-1]
             if file.world.text != world.text or file.parameters != parameters:
                 raise UserError(
                     f"{path}: map or parameters differ from the files before; give the seeds of one run"
@@ -97,7 +97,7 @@ def collect(paths: Iterable[str | Path], task: str | None = None, confidence: fl
 
 
 def _candidates(file: LearningFile, task: str) -> Iterator[tuple[str, int]]:
-    """Names and subgoals of the null skill and of the skills learned before the task, in the order of drawing."""
+    """Names and subgoals of the null skill and of the skills learned before the task, in their order."""
     names = list(file.tasks)
     yield NULL_SKILL, file.tasks[task].start
     for skill in file.library or []:
@@ -158,12 +158,11 @@ def _frame(
 
 @style.styled
 def draw(selections: Selections, episodes: int) -> Figure:
-    """Left: the prior over the map, the skills and their ways to the goal. Right: probabilities over episodes."""
+    """Left: the prior over the map, the skills and their ways to the goal. Right: selection over episodes."""
     world = selections.world
-    rows, columns = world.shape
     side = cells.cell_side(world, 6.3, 4.6)
     figure = style.new_figure(style.SLIDE_WIDTH, 5.9)
-    left, right = figure.subplots(1, 2, width_ratios=[side * columns + 1.5, 5.4])
+    left, right = figure.subplots(1, 2, width_ratios=[side * world.shape[1] + 1.5, 5.4])
     looks = _looks(list(dict.fromkeys(selections.frame["skill"])), selections.task)
     _map(left, selections, looks, side)
     _history(right, selections.frame, looks, episodes)
@@ -194,12 +193,13 @@ def _map(axes: Axes, selections: Selections, looks: dict[str, tuple[str, str]], 
         colour, _ = looks[str(name)]
         first = skill.iloc[0]
         path = world.cells[_shortest_path(world, int(first["subgoal"]), goal)]
-        for width, shade in ((6.0, "white"), (3.2, colour)):
-            axes.plot(path[:, 1], path[:, 0], color=shade, linewidth=width, zorder=4, solid_joinstyle="round")
-            axes.plot([first["column"], goal_column], [first["row"], goal_row], color=shade, linewidth=width * 0.7,
-                      linestyle=(0, (0.1, 1.8)) if shade == colour else "-", dash_capstyle="round", zorder=4)  # fmt: skip
-        axes.plot(first["column"], first["row"], "o", markersize=15, color=colour, markeredgecolor="white",
-                  markeredgewidth=2, zorder=5)  # fmt: skip
+        straight = [first["column"], goal_column], [first["row"], goal_row]
+        dots: dict[str, Any] = {"linestyle": (0, (0.1, 1.8)), "dash_capstyle": "round"}
+        for width, shade, dotted in ((6.0, "white", {}), (3.2, colour, dots)):
+            axes.plot(path[:, 1], path[:, 0], color=shade, linewidth=width, zorder=4)
+            axes.plot(*straight, color=shade, linewidth=0.7 * width, zorder=4, **dotted)
+        mark: dict[str, Any] = {"color": colour, "markersize": 15, "markeredgecolor": "white", "markeredgewidth": 2}
+        axes.plot(first["column"], first["row"], "o", zorder=5, **mark)
     cells.draw_places(axes, world, side)
     bar = axes.figure.colorbar(heat, ax=axes, aspect=22, pad=0.02, shrink=0.85)
     bar.set_label(f"prior of a skill that ends here,\nrelative to one that ends at {task}")

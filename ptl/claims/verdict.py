@@ -1,0 +1,129 @@
+"""From parts to a verdict: the one rule that all claims share.
+
+A claim consists of parts. A part compares one estimate with what the claim demands, by its interval:
+
+* it *holds* if the whole interval lies where the claim says (for a demand that something differs: clear of 0);
+* it *fails* if the whole interval lies elsewhere;
+* it is *open* if the interval has both; more runs could decide it.
+
+The verdict:
+
+* **reproduced** if every part holds;
+* **partly reproduced** if some parts hold and others do not;
+* **not reproduced** if no part holds and at least one fails;
+* **undecided** if all parts are open, or something that the claim needs is not in the run or stands on fewer than ten
+  seeds.
+
+A claim with a number ("improves by more than 90 %") has two parts, the direction and the size, so that the right
+direction with another size is "partly reproduced". Parts are not corrected for their number: with many parts, a few may
+be open or fail by chance, and the ledger names them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import StrEnum
+
+from ptl.statistics import Estimate
+
+
+class Outcome(StrEnum):
+    """What the interval of one part says."""
+
+    HOLDS = "holds"
+    FAILS = "fails"
+    OPEN = "open"
+
+
+class Verdict(StrEnum):
+    """What the parts of a claim say together."""
+
+    REPRODUCED = "reproduced"
+    PARTLY = "partly reproduced"
+    NOT = "not reproduced"
+    UNDECIDED = "undecided"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One comparison.
+
+    Attributes
+    ----------
+    text : str
+        What is estimated.
+    estimate : Estimate
+    demand : str
+        What the claim demands of it.
+    outcome : Outcome
+    unit : str
+    """
+
+    text: str
+    estimate: Estimate
+    demand: str
+    outcome: Outcome
+    unit: str = ""
+
+    def __str__(self) -> str:
+        e = self.estimate
+        unit = f" {self.unit}" if self.unit else ""
+        interval = "" if e.low == e.value == e.high else f" [{number(e.low)}, {number(e.high)}]"
+        return f"{self.text}: {number(e.value)}{interval}{unit} ({self.demand}: {self.outcome})"
+
+
+def above(text: str, estimate: Estimate, bound: float, unit: str = "") -> Part:
+    """Claims that the estimate is greater than a bound."""
+    return Part(text, estimate, f"> {number(bound)}", _inside(estimate, bound, math.inf), unit)
+
+
+def below(text: str, estimate: Estimate, bound: float, unit: str = "") -> Part:
+    """Claims that the estimate is less than a bound."""
+    return Part(text, estimate, f"< {number(bound)}", _inside(estimate, -math.inf, bound), unit)
+
+
+def between(text: str, estimate: Estimate, low: float, high: float, unit: str = "") -> Part:
+    """Claims that the estimate lies between two bounds."""
+    return Part(text, estimate, f"{number(low)} to {number(high)}", _inside(estimate, low, high), unit)
+
+
+def not_significant(text: str, estimate: Estimate, unit: str = "") -> Part:
+    """Claims that the interval has 0 in it, which it either has or has not: never open."""
+    contains = estimate.low <= 0 <= estimate.high
+    return Part(text, estimate, "0 in the interval", Outcome.HOLDS if contains else Outcome.FAILS, unit)
+
+
+def _inside(estimate: Estimate, low: float, high: float) -> Outcome:
+    if math.isnan(estimate.low) or math.isnan(estimate.high):
+        return Outcome.OPEN
+    if low < estimate.low and estimate.high < high:
+        return Outcome.HOLDS
+    if estimate.high <= low or estimate.low >= high:
+        return Outcome.FAILS
+    return Outcome.OPEN
+
+
+def decide(parts: Sequence[Part]) -> Verdict:
+    """The verdict on a claim from all its parts, as this module's text says."""
+    outcomes = {part.outcome for part in parts}
+    if outcomes == {Outcome.HOLDS}:
+        return Verdict.REPRODUCED
+    if Outcome.HOLDS in outcomes:
+        return Verdict.PARTLY
+    return Verdict.NOT if Outcome.FAILS in outcomes else Verdict.UNDECIDED
+
+
+def number(value: float) -> str:
+    """Four significant digits, thousands apart, a proper minus sign."""
+    if not math.isfinite(value):
+        return "–" if math.isnan(value) else ("∞" if value > 0 else "−∞")
+    if value == 0:
+        return "0"
+    digits = 3 - math.floor(math.log10(abs(value)))
+    rounded = round(value, digits)
+    text = f"{abs(rounded):,.{max(digits, 0)}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return ("−" if rounded < 0 else "") + text

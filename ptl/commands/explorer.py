@@ -1,0 +1,59 @@
+"""``ptl explorer``: the page in which the learning of a run can be watched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+@click.command("explorer")
+@click.argument("files", nargs=-1, type=FILE)
+@click.option("--files-from", type=FILE, help="Text file that names more learning files, one on each line.")
+@click.option("--output", required=True, type=FILE, help="HTML file to write; it needs no other file and no network.")
+@click.option(
+    "--seed", "seeds", multiple=True, type=click.IntRange(0), help="Seed to embed; repeat. [default: all of the FILES]"
+)
+@click.option(
+    "--environment",
+    "environments",
+    multiple=True,
+    metavar="NAME=TITLE",
+    help="Title of an environment; repeat.",
+)
+def command(
+    files: tuple[Path, ...],
+    files_from: Path | None,
+    output: Path,
+    seeds: tuple[int, ...],
+    environments: tuple[str, ...],
+) -> None:
+    """Build the explorer from learning FILES.
+
+    Environments and methods keep the order in which they first appear among FILES. A seed adds about 30 kB for a
+    task sequence of one method.
+    """
+    from ptl.explorer.data import collect
+    from ptl.explorer.page import build
+    from ptl.files import write_text
+
+    paths = [*files, *(_read_list(files_from) if files_from else [])]
+    titles = dict(_name_and_title(text) for text in environments)
+    write_text(output, build(collect(paths, seeds or None, titles)))
+
+
+def _name_and_title(text: str) -> tuple[str, str]:
+    name, _, title = text.partition("=")
+    return name, title or name
+
+
+def _read_list(path: Path) -> list[Path]:
+    from ptl.errors import UserError
+
+    try:
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise UserError(f"{path}: cannot be read as a list of files ({error}); check --files-from") from error
+    return [Path(line.strip()) for line in lines if line.strip()]

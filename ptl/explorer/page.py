@@ -1,0 +1,76 @@
+"""Joins the data set, the style and the scripts into one HTML file that needs nothing else.
+
+The scripts in ``web`` are plain ES modules. They are joined without a build tool: import lines and the word
+``export`` are dropped, and the whole becomes one function, so no name reaches the page and no file refers to another.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+WEB = Path(__file__).parent / "web"
+
+PURE_MODULES = ("decode.js", "format.js", "colour.js", "world.js", "episodes.js", "simulation.js", "dataset.js", "address.js")
+"""Modules that only compute; each may use those before it."""
+
+VIEW_MODULES = ("svg.js", "map_view.js", "charts.js", "guides.js", "stage.js", "app.js")
+"""Modules that work on the page."""
+
+_IMPORT = re.compile(r'^import\b[^;]*?\bfrom\s+"\./[a-z_]+\.js";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:const|function|class)\b)", re.MULTILINE)
+_TOP_NAME = re.compile(r"^(?:const|let|function\*?|class) (\w+)", re.MULTILINE)
+
+
+def bundle(modules: Iterable[str] = (*PURE_MODULES, *VIEW_MODULES)) -> str:
+    """The modules as one script, in the order given.
+
+    Raises
+    ------
+    ValueError
+        If two modules declare the same name at their top level, or an import or export is written in another way.
+    """
+    sources = []
+    for name in modules:
+        text = _EXPORT.sub("", _IMPORT.sub("", (WEB / name).read_text(encoding="utf-8")))
+        if left := re.search(r"^(?:import|export)\b.*", text, re.MULTILINE):
+            raise ValueError(f"{name}: cannot join this line: {left.group()}")
+        sources.append(f"// {name}\n{text.strip()}\n")
+    joined = "\n".join(sources)
+    doubled = [name for name, count in Counter(_TOP_NAME.findall(joined)).items() if count > 1]
+    if doubled:
+        raise ValueError(f"declared in more than one module: {', '.join(doubled)}")
+    return joined
+
+
+def build(data: dict[str, Any]) -> str:
+    """The page for a data set of `ptl.explorer.data.collect`; equal data give equal text."""
+    style = (WEB / "style.css").read_text(encoding="utf-8")
+    script = '"use strict";\n(() => {\n' + bundle() + "})();\n"
+    policy = (
+        "default-src 'none'; img-src data:; base-uri 'none'; form-action 'none';"
+        f" style-src '{_source_hash(style)}'; script-src '{_source_hash(script)}'"
+    )
+    # "<" is written as an escape, so no text of a file can end the data block.
+    packed = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    page = (WEB / "explorer.html").read_text(encoding="utf-8")
+    parts = {"policy": policy, "style": style, "script": script, "data": packed}
+    return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], page)
+
+
+def source_digest() -> str:
+    """sha256 (first 16 hex digits) over the files of ``web``, for the rule that makes the page."""
+    digest = hashlib.sha256()
+    for path in sorted(WEB.iterdir()):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _source_hash(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")

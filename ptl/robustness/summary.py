@@ -1,0 +1,225 @@
+"""From the verdicts of all settings to what each claim hangs on.
+
+Two readings (both ours):
+
+* *One at a time*: a claim hangs on an unknown if moving that unknown alone changes the verdict that most replicates of
+  the reference setting give. Replicates that differ among themselves show how far chance alone moves a verdict.
+* *Latin hypercube*: the rank association of the verdict (not 0, partly 1/2, reproduced 1) with each unknown when all
+  move at once: Spearman's coefficient where the unknown is a number; where it is one of several options, the square root
+  of H / (n - 1) of the Kruskal-Wallis test, which lies between 0 and 1 and has no sign.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from ptl.robustness.design import GROUPS, LATIN_HYPERCUBE, ONE_AT_A_TIME, REFERENCE, Unknown
+
+REPRODUCED, PARTLY, NOT, UNDECIDED = "reproduced", "partly reproduced", "not reproduced", "undecided"
+SCORES = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0, UNDECIDED: np.nan}
+"""Verdicts in order, for ranks; an undecided one has none."""
+
+SIGNIFICANT = 0.01
+"""Associations with a greater p-value are not named: with about 500 of them, five such are expected by chance."""
+
+VERDICT_COLUMNS = ("setting", "group", "changed", "status", "claim", "verdict")
+
+
+def changed_text(changes: Mapping[str, object], unknowns: Mapping[str, Unknown]) -> str:
+    """Changes in words: ``α = 0.2``."""
+    return ", ".join(f"{unknowns[key].symbol} = {value_text(value)}" for key, value in changes.items())
+
+
+def value_text(value: object) -> str:
+    """A value as it stands in a table."""
+    if isinstance(value, list | tuple):
+        return f"({', '.join(map(str, value))})"
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def most_common(verdicts: pd.Series) -> str:
+    """The verdict that most replicates give; of equally common ones the less favourable."""
+    counts = verdicts.value_counts()
+    worst_first = [verdict for verdict in (UNDECIDED, NOT, PARTLY, REPRODUCED) if verdict in counts]
+    return max(worst_first, key=lambda verdict: counts[verdict])
+
+
+def reference_verdicts(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """By claim: ``verdict`` (the most common among replicates) and ``agreement``, the share that gives it."""
+    rows = {}
+    for claim, part in verdicts[verdicts["group"] == REFERENCE].groupby("claim", sort=False):
+        verdict = most_common(part["verdict"])
+        rows[claim] = {"verdict": verdict, "agreement": float((part["verdict"] == verdict).mean())}
+    return pd.DataFrame.from_dict(rows, orient="index", columns=["verdict", "agreement"]).rename_axis("claim")
+
+
+def flips(verdicts: pd.DataFrame, settings: pd.DataFrame) -> pd.DataFrame:
+    """One-at-a-time settings whose verdict differs from the reference's.
+
+    Parameters
+    ----------
+    verdicts : DataFrame
+        Columns `VERDICT_COLUMNS`.
+    settings : DataFrame
+        One row a setting: setting, group, changes (JSON).
+
+    Returns
+    -------
+    DataFrame
+        Columns claim, unknown, value (JSON), verdict, change (of the score; NaN if either is undecided).
+    """
+    reference = reference_verdicts(verdicts)
+    changes = settings.set_index("setting")["changes"].map(json.loads)
+    rows = []
+    for row in verdicts[verdicts["group"] == ONE_AT_A_TIME].itertuples():
+        before = reference.loc[row.claim, "verdict"]
+        if row.verdict != before:
+            [(unknown, value)] = changes[row.setting].items()
+            change = SCORES[row.verdict] - SCORES[before]
+            rows.append((row.claim, unknown, json.dumps(value), row.verdict, change))
+    return pd.DataFrame(rows, columns=["claim", "unknown", "value", "verdict", "change"])
+
+
+def associations(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+    """Rank association of every claim's verdict with every unknown over the Latin hypercube.
+
+    Returns
+    -------
+    DataFrame
+        Columns claim, unknown, association, signed (whether its sign means anything), p_value, n (decided settings).
+        A claim whose verdict never changes is associated with nothing: 0, p-value 1.
+    """
+    changes = settings.set_index("setting")["changes"].map(json.loads)
+    rows = []
+    for claim, part in verdicts[verdicts["group"] == LATIN_HYPERCUBE].groupby("claim", sort=False):
+        score = part["verdict"].map(SCORES)
+        decided = score.notna()
+        values, score = changes[part.loc[decided, "setting"]], score[decided].to_numpy()
+        for key, unknown in unknowns.items():
+            column = [value[key] for value in values if key in value]
+            if len(column) < len(score) or not column:
+                continue
+            signed = not unknown.options
+            association, p_value = _association(column, score, signed)
+            rows.append((claim, key, association, signed, p_value, len(score)))
+    columns = ["claim", "unknown", "association", "signed", "p_value", "n"]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def _association(values: Sequence[object], score: np.ndarray, signed: bool) -> tuple[float, float]:
+    if len(score) < 3 or np.all(score == score[0]):
+        return 0.0, 1.0
+    if signed:
+        numbers = np.asarray(values, dtype=float)
+        if np.all(numbers == numbers[0]):
+            return 0.0, 1.0
+        result = stats.spearmanr(numbers, score)
+        return float(result.statistic), float(result.pvalue)
+    labels = np.array([json.dumps(value) for value in values])
+    samples = [score[labels == label] for label in np.unique(labels)]
+    if len(samples) < 2:
+        return 0.0, 1.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)  # too few values in a sample
+        result = stats.kruskal(*samples)
+    return float(np.sqrt(min(1.0, result.statistic / (len(score) - 1)))), float(result.pvalue)
+
+
+def share_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+    """For every claim the share of settings in which it holds, and what it hangs on.
+
+    Returns
+    -------
+    DataFrame
+        Columns claim, reference (verdict of most replicates), agreement; for each group of settings its number, the
+        shares reproduced, partly, not and undecided; flipped_by (unknowns with values, one at a time, greatest change
+        first); associated_with (unknowns of the Latin hypercube with their association, strongest first, p-value below
+        `SIGNIFICANT`); hangs_on (the first of these, see `_hangs_on`).
+    """
+    reference = reference_verdicts(verdicts)
+    turned = flips(verdicts, settings)
+    related = associations(verdicts, settings, unknowns)
+    rows = []
+    for claim, part in verdicts.groupby("claim", sort=False):
+        row: dict[str, object] = {"claim": claim}
+        row["reference"], row["agreement"] = reference.loc[claim]
+        for group in GROUPS:
+            own = part.loc[part["group"] == group, "verdict"]
+            row[f"{group}_settings"] = len(own)
+            for verdict in SCORES:
+                share = float((own == verdict).mean()) if len(own) else np.nan
+                row[f"{group}_{verdict.replace(' ', '_')}"] = share
+        by_flip = _by_unknown(turned[turned["claim"] == claim])
+        by_rank = related[(related["claim"] == claim) & (related["p_value"] < SIGNIFICANT)]
+        by_rank = by_rank.reindex(by_rank["association"].abs().sort_values(ascending=False, kind="stable").index)
+        row["flipped_by"] = "; ".join(_flip_text(unknowns[key], found) for key, found in by_flip.items())
+        row["associated_with"] = "; ".join(
+            f"{unknowns[item.unknown].symbol} ({item.association:{'+' if item.signed else ''}.2f})"
+            for item in by_rank.itertuples()
+        )
+        row["hangs_on"] = _hangs_on(list(by_flip), list(by_rank["unknown"]), unknowns)
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _by_unknown(turned: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Flips of one claim by unknown, the one with the greatest change of score first."""
+    parts = {str(key): part for key, part in turned.groupby("unknown", sort=False)}
+    return dict(sorted(parts.items(), key=lambda item: -np.nan_to_num(item[1]["change"].abs().max())))
+
+
+def _flip_text(unknown: Unknown, found: pd.DataFrame) -> str:
+    values = ", ".join(
+        f"{value_text(json.loads(row.value))}: {row.verdict}" for row in found.itertuples()
+    )
+    return f"{unknown.symbol} ({values})"
+
+
+def _hangs_on(by_flip: list[str], by_rank: list[str], unknowns: Mapping[str, Unknown]) -> str:
+    """The unknown that both readings name, the hypercube's order first; else the hypercube's first, else the flip's."""
+    both = [key for key in by_rank if key in by_flip]
+    chosen = (both or by_rank or by_flip)[:1]
+    return unknowns[chosen[0]].symbol if chosen else ""
+
+
+def unknown_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+    """Unknowns ranked by how many claims hang on them.
+
+    Returns
+    -------
+    DataFrame
+        Columns rank, unknown (key), symbol, claims_flipped (number), flipped (their names), claims_associated (number
+        with a p-value below `SIGNIFICANT`), associated (names with the association), strongest (greatest association);
+        ranked by the two numbers together, then by the strongest association.
+    """
+    turned = flips(verdicts, settings)
+    related = associations(verdicts, settings, unknowns)
+    rows = []
+    for key, unknown in unknowns.items():
+        flipped = list(dict.fromkeys(turned.loc[turned["unknown"] == key, "claim"]))
+        own = related[related["unknown"] == key]
+        strong = own[own["p_value"] < SIGNIFICANT]
+        strong = strong.reindex(strong["association"].abs().sort_values(ascending=False, kind="stable").index)
+        rows.append(
+            {
+                "unknown": key,
+                "symbol": unknown.symbol,
+                "claims_flipped": len(flipped),
+                "flipped": ", ".join(flipped),
+                "claims_associated": len(strong),
+                "associated": ", ".join(
+                    f"{row.claim} ({row.association:{'+' if row.signed else ''}.2f})" for row in strong.itertuples()
+                ),
+                "strongest": float(own["association"].abs().max()) if len(own) else np.nan,
+            }
+        )
+    frame = pd.DataFrame(rows)
+    order = frame.assign(total=frame["claims_flipped"] + frame["claims_associated"], top=frame["strongest"].fillna(0))
+    frame = frame.loc[order.sort_values(["total", "top"], ascending=False, kind="stable").index]
+    return frame.reset_index(drop=True).rename_axis("rank").reset_index().assign(rank=lambda f: f["rank"] + 1)
