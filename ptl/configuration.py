@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +25,8 @@ def check(config: Mapping[str, Any], schema_path: str | Path) -> None:
     UserError
         One line that names the key, what is wrong with it and what is allowed.
     """
-    schema = yaml.safe_load(Path(schema_path).read_text(encoding="utf-8"))
-    error = best_match(Draft202012Validator(schema).iter_errors(config))
+    _refuse_non_finite(config, "")
+    error = best_match(_validator(Path(schema_path)).iter_errors(config))
     if error is not None:
         raise UserError(_in_one_line(error))
     for identifier in config["methods"]:
@@ -45,6 +47,20 @@ def check(config: Mapping[str, Any], schema_path: str | Path) -> None:
             raise UserError(f"configuration key {key}.tasks: {''.join(repeated)} stands there twice; name a task once")
         if extra := sorted(set(environment.get("discovery_tasks", "")) - set(environment["tasks"])):
             raise UserError(f"configuration key {key}.discovery_tasks: {''.join(extra)} is not among the tasks")
+
+
+@cache
+def _validator(schema_path: Path) -> Draft202012Validator:
+    return Draft202012Validator(yaml.safe_load(schema_path.read_text(encoding="utf-8")))
+
+
+def _refuse_non_finite(entry: Any, key: str) -> None:
+    """JSON schema lets NaN pass every range, because no comparison with it fails."""
+    if isinstance(entry, Mapping):
+        for name, value in entry.items():
+            _refuse_non_finite(value, f"{key}.{name}" if key else str(name))
+    elif isinstance(entry, float) and not math.isfinite(entry):
+        raise UserError(f"configuration key {key}: {entry} is not allowed; give a finite number")
 
 
 def worlds(config: Mapping[str, Any]) -> Iterator[tuple[GridWorld, str, Mapping[str, Any]]]:

@@ -1,4 +1,4 @@
-"""What the article's vague words mean here. All are our choice, made before looking at the verdicts.
+"""What the article's vague words mean here. All are our choice, and none was moved to change a verdict.
 
 One word has one meaning in all claims; the ledger prints this list.
 """
@@ -21,7 +21,8 @@ FEW_EPISODES = 20
 """A few episodes: a tenth of the 200 of a task. The window of the threshold makes ten the least possible."""
 
 NO_IMPROVEMENT = 20.0
-"""A jump start not improved: less than this share (%) of the base, about one standard error of its mean (18 %)."""
+"""Not improved: not significantly, and by less than this share (%) of the base, about the standard error of a mean first
+episode over 30 runs (18 %)."""
 
 SPIKE = 10.0
 """A spike: this many times the median of the episodes before, a whole unit on the log scale of figure 12."""
@@ -44,7 +45,7 @@ MEANINGS = (
     ("about n", f"between {1 - ABOUT:g} n and {1 + ABOUT:g} n"),
     ("about 80-90 %", f"up to {ABOUT_POINTS:g} percentage points beyond either end"),
     ("a few episodes", f"{FEW_EPISODES} or fewer (the window of the threshold makes 10 the least possible)"),
-    ("not improved", f"by less than {NO_IMPROVEMENT:g} % of the mean of the base"),
+    ("not improved", f"not significantly, and by less than {NO_IMPROVEMENT:g} % of the mean of the base"),
     ("degrades in an episode", f"{SPIKE:g} times as many steps as the median of the {BLOCK} episodes before, or more"),
     ("one curve below another", f"in every block of {BLOCK} episodes"),
     ("on a doorway", f"at most {AT} step from a free cell between two opposite walls"),

@@ -6,6 +6,9 @@ A claim consists of parts. A part compares one estimate with what the claim dema
 * it *fails* if the whole interval lies elsewhere;
 * it is *open* if the interval has both; more runs could decide it.
 
+A part that denies significance ("whose deviation is too high") is the exception: it fails if the whole interval is above
+0, and holds otherwise.
+
 The verdict:
 
 * **reproduced** if every part holds;
@@ -90,9 +93,9 @@ def between(text: str, estimate: Estimate, low: float, high: float, unit: str = 
 
 
 def not_significant(text: str, estimate: Estimate, unit: str = "") -> Part:
-    """Claims that the interval has 0 in it, which it either has or has not: never open."""
-    contains = estimate.low <= 0 <= estimate.high
-    return Part(text, estimate, "0 in the interval", Outcome.HOLDS if contains else Outcome.FAILS, unit)
+    """Claims that a difference is not significantly positive: fails if the whole interval is above 0, is never open."""
+    significant = estimate.low > 0
+    return Part(text, estimate, "not significantly > 0", Outcome.FAILS if significant else Outcome.HOLDS, unit)
 
 
 def _inside(estimate: Estimate, low: float, high: float) -> Outcome:

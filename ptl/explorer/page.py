@@ -59,8 +59,10 @@ def build(data: dict[str, Any]) -> str:
     )
     # "<" is written as an escape, so no text of a file can end the data block.
     packed = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    page = (WEB / "explorer.html").read_text(encoding="utf-8")
     parts = {"policy": policy, "style": style, "script": script, "data": packed}
+    for name in ("stage", "detail"):  # these stand twice in the page
+        parts[name] = (WEB / f"{name}.html").read_text(encoding="utf-8")
+    page = (WEB / "explorer.html").read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], page)
 
 

@@ -58,7 +58,12 @@ def draw_world(
     """
     rows, columns = room or world.shape
     # the thin rim closes the hairlines that viewers of SVG files leave between neighbouring pieces
-    look: dict[str, Any] = {"facecolor": style.WALL, "edgecolor": style.WALL, "linewidth": 0.15, "joinstyle": "miter"}
+    look: dict[str, Any] = {
+        "facecolor": style.WALL,
+        "edgecolor": style.WALL,
+        "linewidth": 0.15,
+        "joinstyle": "miter",
+    }
     axes.add_patch(PathPatch(_outline(world.walls), zorder=2, **look))
     axes.set(xlim=(-0.5, columns - 0.5), ylim=(rows - 0.5, -0.5), aspect="equal", facecolor=style.FLOOR)
     axes.grid(False)
@@ -77,7 +82,7 @@ def draw_world(
 def _outline(cells: np.ndarray) -> Path:
     """One rectangle for every run of marked cells in a row, all in one path, which keeps SVG files small."""
     corners: list[tuple[float, float]] = []
-    codes: list[int] = []
+    codes: list[Any] = []
     for row, line in enumerate(cells):
         changes = np.flatnonzero(np.diff(np.concatenate([[0], line, [0]])))
         for begin, end in changes.reshape(-1, 2) - 0.5:

@@ -122,7 +122,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
     room = rows, columns = cells.roomy(world, side, NARROWEST, LOWEST / shape[0])
     width = shape[1] * (side * columns + 0.25) + 1.5
     height = shape[0] * (side * rows + 0.45) + 1.35
-    figure = style.new_figure(max(width, 8.5), height, layout="compressed")
+    figure = style.new_figure(max(width, 8.5), height, compress=True)
     panels = figure.subplots(*shape, squeeze=False)
     if shape == by_column:
         panels = panels.T

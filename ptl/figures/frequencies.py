@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
@@ -24,6 +24,8 @@ GAP = 1.75
 """Inches beside a map for its colour bar."""
 NARROWEST = 0.6
 """Least ratio of width to height of a panel."""
+LOWEST = 5.2
+"""Least height of the figure in inches, for the colour bar's label."""
 HEAD = 1.0
 """Inches above and below a map for its title and margins."""
 
@@ -92,8 +94,9 @@ def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str,
         height = min(width / scale, *(cells.LARGEST_CELL * rows for rows, _ in shapes), 6.0)
         sides.append([height / rows for rows, _ in shapes])
         heights.append(height + HEAD)
-    figure = style.new_figure(style.SLIDE_WIDTH, sum(heights))
-    maps, edge = figure.subfigures(1, 2, width_ratios=[style.SLIDE_WIDTH - GAP, GAP])
+    figure = style.new_figure(style.SLIDE_WIDTH, max(sum(heights), LOWEST))
+    halves: Any = figure.subfigures(1, 2, width_ratios=[style.SLIDE_WIDTH - GAP, GAP])
+    maps, edge = halves
     bands = np.atleast_1d(maps.subfigures(len(arrangement), 1, height_ratios=heights))
     norm = PowerNorm(0.5, 0, max(float(frame["share"].max()), 0.01))
     shares = {name: part["share"].to_numpy() for name, part in frame.groupby("environment", sort=False)}

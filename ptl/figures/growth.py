@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from ptl.errors import UserError
 from ptl.figures import style
@@ -126,8 +127,8 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes.axvline(bend, color=style.MUTED, linewidth=1.4, linestyle=(0, (4, 3)), zorder=1)
     top = 1.12 * max(float(np.nanmax(frame[["mean", "ci_high"]].to_numpy())), float(fit(corners).max()), 1.0)
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
-    axes.yaxis.get_major_locator().set_params(integer=True)
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
     # the curve bends downwards, so below it, right of the bend, there is room for words
     arrow = {"arrowstyle": "-", "color": style.MUTED, "shrinkA": 4, "shrinkB": 5}
     for name, x, place in (

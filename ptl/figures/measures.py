@@ -18,10 +18,8 @@ if TYPE_CHECKING:
 
     from ptl.figures.steps import StepsFile
 
-BASE = "no_transfer"
 DIMENSION_STEP = 1.75
 """Ratio of the heights of two dimension lines on the log scale."""
-GROUND = {"facecolor": "white", "edgecolor": "none", "pad": 1.5, "alpha": 0.85}
 
 
 def trailing_mean(values: np.ndarray, window: int) -> np.ndarray:
@@ -97,14 +95,19 @@ def draw(frame: pd.DataFrame, title: str) -> Figure:
         axes.plot(1, curve["mean"].iloc[0], "o", color=colour, markersize=9, zorder=5, clip_on=False)
         firsts.append(float(curve["mean"].iloc[0]))
     axes.set_yscale("log")
-    axes.set_xlim(-0.025 * episodes, episodes * 1.01)
+    axes.set_xlim(-0.05 * episodes, episodes * 1.01)
     axes.set(xlabel="episode", ylabel="steps per episode")
     seeds = int(frame["seeds"].iloc[0])
     axes.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}")
     _jump_start(axes, firsts, episodes)
     _threshold(axes, frame, episodes)
     _asymptotic(axes, frame, episodes, window)
-    axes.legend(loc="upper right", title=f"thick: mean of the last {window} episodes", title_fontsize=14)
+    axes.legend(
+        loc="upper right",
+        bbox_to_anchor=(0.93, 1),
+        title=f"thick: mean of the last {window} episodes",
+        title_fontsize=14,
+    )
     return figure
 
 
@@ -113,8 +116,7 @@ def _jump_start(axes: Axes, firsts: list[float], episodes: int) -> None:
     arrow = {"arrowstyle": "<->", "color": style.INK, "linewidth": 1.8, "shrinkA": 7, "shrinkB": 7}
     axes.annotate("", (1, firsts[1]), (1, firsts[0]), arrowprops=arrow)
     middle = float(np.sqrt(firsts[0] * firsts[1]))
-    # the curves fall away from here, so the words need ground to stand on
-    axes.text(0.015 * episodes, middle, "jump start", va="center", fontsize=17, zorder=6, bbox=GROUND)
+    axes.text(-0.012 * episodes, middle, "jump start", rotation=90, ha="right", va="center", fontsize=17)
 
 
 def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
@@ -156,9 +158,8 @@ def _asymptotic(axes: Axes, frame: pd.DataFrame, episodes: int, window: int) -> 
     for method, end in zip(ends["method"], ends["asymptotic"], strict=True):
         colour, _ = style.method_look(method)
         axes.plot(episodes, end, "s", color=colour, markersize=9, zorder=6, clip_on=False)
-    top = float(ends["asymptotic"].max())
     axes.annotate(
-        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2, top * 1.2),
-        (0.97, 0.6), textcoords="axes fraction", ha="right", va="center", fontsize=17,
-        arrowprops={"arrowstyle": "->", "color": style.INK, "linewidth": 1.8},
+        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2 + 0.5, 0.95), (1.0, 1.02),
+        xycoords=axes.get_xaxis_transform(), textcoords="axes fraction", ha="right", va="bottom", fontsize=17,
+        arrowprops={"arrowstyle": "->", "color": style.INK, "linewidth": 1.8, "relpos": (0.9, 0)},
     )  # fmt: skip

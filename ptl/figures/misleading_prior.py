@@ -198,7 +198,12 @@ def _map(axes: Axes, selections: Selections, looks: dict[str, tuple[str, str]], 
         for width, shade, dotted in ((6.0, "white", {}), (3.2, colour, dots)):
             axes.plot(path[:, 1], path[:, 0], color=shade, linewidth=width, zorder=4)
             axes.plot(*straight, color=shade, linewidth=0.7 * width, zorder=4, **dotted)
-        mark: dict[str, Any] = {"color": colour, "markersize": 15, "markeredgecolor": "white", "markeredgewidth": 2}
+        mark: dict[str, Any] = {
+            "color": colour,
+            "markersize": 15,
+            "markeredgecolor": "white",
+            "markeredgewidth": 2,
+        }
         axes.plot(first["column"], first["row"], "o", zorder=5, **mark)
     cells.draw_places(axes, world, side)
     bar = axes.figure.colorbar(heat, ax=axes, aspect=22, pad=0.02, shrink=0.85)

@@ -43,7 +43,7 @@ def draw(world: GridWorld, frame: pd.DataFrame, title: str) -> Figure:
     """The relative prior of every state on a log scale; it takes no notice of walls."""
     side = cells.cell_side(world, style.SLIDE_WIDTH - 2.2, 6.4)
     room = rows, columns = cells.roomy(world, side, 4.8, 3.6)
-    figure = style.new_figure(side * columns + 2.2, side * rows + 1.1, layout="compressed")
+    figure = style.new_figure(side * columns + 2.2, side * rows + 1.1, compress=True)
     axes = figure.add_subplot()
     goal = str(frame["goal"].iloc[0])
     values = frame["relative_prior"].to_numpy()

@@ -7,12 +7,13 @@ from collections.abc import Callable
 from functools import wraps
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ptl.errors import UserError
 from ptl.files import atomic_path, write_csv
@@ -55,7 +56,7 @@ HEAT = _heat()
 PALE_HEAT = ListedColormap(HEAT(np.linspace(0, 0.55, 256)), name="ptl_pale_heat")
 """The lighter part of `HEAT`, for a ground on which lines are drawn."""
 
-PARAMETERS = {
+PARAMETERS: dict[str, Any] = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so figures are the same on every machine
     "font.size": 15,
     "text.color": INK,
@@ -102,18 +103,19 @@ def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
     def wrapper(*args: _P.args, **kwargs: _P.kwargs) -> _R:
         with mpl.rc_context():
             mpl.rcdefaults()
-            mpl.rcParams.update(PARAMETERS)
+            mpl.rcParams.update(PARAMETERS)  # type: ignore[arg-type]
             return draw(*args, **kwargs)
 
     return wrapper
 
 
-def new_figure(width: float, height: float, layout: str = "constrained") -> Figure:
-    """An empty figure of this size in inches, without pyplot and its global state."""
-    figure = Figure(figsize=(width, height), layout=layout)
-    if layout in ("constrained", "compressed"):
-        figure.get_layout_engine().set(w_pad=0.09, h_pad=0.09, wspace=0.03, hspace=0.03)
-    return figure
+def new_figure(width: float, height: float, compress: bool = False) -> Figure:
+    """An empty figure of this size in inches, without pyplot and its global state.
+
+    ``compress`` pushes panels of fixed aspect (maps) together.
+    """
+    layout = ConstrainedLayoutEngine(w_pad=0.09, h_pad=0.09, wspace=0.03, hspace=0.03, compress=compress)
+    return Figure(figsize=(width, height), layout=layout)
 
 
 @styled

@@ -106,10 +106,15 @@ def _arrays(lives: list[Life]) -> Iterator[tuple[str, np.ndarray]]:
         yield "subgoal", np.array([[r.update.subgoal for r in life.records] for life in lives], dtype=np.int32)
         yield "reason", np.array([[r.update.reason.encode() for r in life.records] for life in lives])
         yield "novelty", np.array([[r.discovery.novelty for r in life.records] for life in lives])
-        for kind in ("original", "incremental"):
-            fields = np.array([[getattr(r.discovery, kind).product for r in life.records] for life in lives])
-            # rounded so that they pack well; verdicts need the place of the peak and its height
-            yield kind, fields.astype(np.float32)
+        for kind in ("incremental", "original"):
+            metrics = [[getattr(r.discovery, kind).product for r in life.records] for life in lives]
+            yield f"{kind}_peak", np.array([[peak(m) for m in row] for row in metrics], dtype=np.int32)
+            yield f"{kind}_value", np.array([[m.max() for m in row] for row in metrics])
+
+
+def peak(metric: np.ndarray) -> int:
+    """State where a metric is greatest, the first of several; -1 if it is 0 everywhere."""
+    return int(metric.argmax()) if metric.any() else -1
 
 
 def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:

@@ -4,7 +4,7 @@ import { skillColour } from "./colour.js";
 import { formatCount } from "./format.js";
 import { svg } from "./svg.js";
 
-export const MARGIN = { left: 46, right: 10 };
+export const MARGIN = { left: 46, right: 16 };
 const WINDOW = 10; // episodes of the running mean
 
 /** Mean of the last ten episodes (fewer at the beginning). */

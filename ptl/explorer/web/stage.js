@@ -67,8 +67,8 @@ export class Stage {
       `Map of ${environment.title}, ${world.rows} rows, ${world.columns} columns, task ${task.name},` +
         ` ${task.method.label}. Arrow keys move over the cells.`,
     );
-    this.detail.querySelector("h3").textContent =
-      task.method.guides === "policies" ? `${task.method.label}: earlier policies` : `${task.method.label}: skills`;
+    const keeps = { skills: "skills", policies: "earlier policies", none: "no skills" }[task.method.guides];
+    this.detail.querySelector("h3").textContent = `${task.method.label}: ${keeps}`;
     const list = this.detail.querySelector(".guides");
     fillGuides(list, world, task, this.key, this.guide, (candidate) => this.app.update({ [this.key]: candidate }));
     this.detail.querySelector(".none").hidden = task.method.guides !== "none";
@@ -181,7 +181,10 @@ export class Stage {
     } else {
       // The trail wants the last steps one by one, the rest may go at once.
       const single = Math.min(count, 160);
-      playing.advance(count - single);
+      if (count > single) {
+        playing.advance(count - single);
+        this.trail = [playing.state];
+      }
       for (let i = 0; i < single && !playing.done; i += 1) {
         playing.advance(1);
         this.trail.push(playing.state);

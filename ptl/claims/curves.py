@@ -1,0 +1,76 @@
+"""The article's claims on learning curves, over several environments."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ptl import statistics
+from ptl.claims import comparisons as c
+from ptl.claims.claim import claim
+from ptl.claims.thresholds import BLOCK, MOST, SPIKE
+from ptl.claims.verdict import Part, above
+from ptl.evidence import Evidence, Lacking
+from ptl.statistics import named_generator
+
+
+def blocks(curve: np.ndarray) -> np.ndarray:
+    """Mean steps in each block of episodes, float array (seeds, blocks); a shorter rest at the end is left out."""
+    whole = curve.shape[1] // BLOCK * BLOCK
+    return curve[:, :whole].reshape(len(curve), -1, BLOCK).mean(axis=2)
+
+
+def spikes(curve: np.ndarray) -> np.ndarray:
+    """Number of episodes of each seed that are far longer than those just before, int array (seeds,)."""
+    before = np.lib.stride_tricks.sliding_window_view(curve[:, :-1], BLOCK, axis=1)
+    return np.count_nonzero(curve[:, BLOCK:] >= SPIKE * np.median(before, axis=2), axis=1)
+
+
+def same_seeds(one: np.ndarray, other: np.ndarray, environment: str) -> None:
+    """Refuse to pair curves of different seeds or lengths."""
+    if one.shape != other.shape:
+        raise Lacking(f"{environment}: the methods to compare have different seeds or episodes")
+
+
+@claim(
+    "curves",
+    "In environments 1 and 2 the learning curve of PTL on task F lies below that of every other method.",
+    shown_in="figure12",
+)
+def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
+    """One part for each environment, other method and block of episodes."""
+    for environment in ("env1", "env2"):
+        own = evidence.curve(environment, c.PTL, c.LAST_TASK)
+        for other in c.OTHERS:
+            theirs = evidence.curve(environment, other, c.LAST_TASK)
+            same_seeds(own, theirs, environment)
+            saved = blocks(theirs) - blocks(own)
+            for index, values in enumerate(saved.T):
+                first, last = index * BLOCK + 1, (index + 1) * BLOCK
+                generator = named_generator(environment, other, c.PTL, "curves", index)
+                estimate = statistics.mean(values, evidence.how, generator)
+                yield above(f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps")
+            below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
+            yield f"{environment}: the mean curve lies below that of {other} in {below} of {own.shape[1]} episodes"
+
+
+@claim(
+    "reuse-spikes",
+    "Policy reuse degrades in some episodes: most runs have spikes, and they are more than those of learning without"
+    " transfer.",
+    shown_in="figure12",
+)
+def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
+    """On task F of each environment; a spike is relative to the episodes just before it."""
+    for environment in ("env1", "env2", "env3"):
+        reuse = spikes(evidence.curve(environment, c.REUSE, c.LAST_TASK))
+        base = spikes(evidence.curve(environment, c.BASE, c.LAST_TASK))
+        same_seeds(reuse, base, environment)
+        yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST)
+        generator = named_generator(environment, c.REUSE, "spikes")
+        more = statistics.mean_difference(reuse, base, evidence.how, generator)
+        yield above(f"{environment}, spikes a run, {c.REUSE} minus {c.BASE}", more, 0.0)
+
+
+CLAIMS = (below_all_others, reuse_spikes)

@@ -1,0 +1,47 @@
+# The verdict on every claim of the article, from this run's own results.
+
+
+rule judge_claims:
+    input:
+        per_seed=rules.measure.output.per_seed,
+        subgoals=rules.measure.output.subgoals,
+        steps=rules.measure.output.steps,
+        growth=REPORTS + "/tables/growth.csv",
+        selection_cost=REPORTS + "/tables/selection_cost.csv",
+        library_bytes=REPORTS + "/tables/library_bytes.csv",
+        maps=[
+            config["environments"][environment]["map"] for environment in ENVIRONMENTS
+        ],
+    output:
+        csv=REPORTS + "/claims.csv",
+        parts=REPORTS + "/claims_parts.csv",
+        md=REPORTS + "/claims.md",
+        html=report(
+            REPORTS + "/claims.html",
+            caption="../report/claims.rst",
+            category="1 Verdicts",
+            labels={"item": "Claims", "shows": "verdict and numbers for every claim"},
+        ),
+    log:
+        "logs/" + RESULTS + "/claims.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        maps=map_options(),
+        confidence=config["statistics"]["confidence"],
+        resamples=config["statistics"]["resamples"],
+        code=code_digest("ptl.commands.claims", "ptl.claims", "ptl.evidence"),
+    message:
+        "Judging the claims of the article"
+    shell:
+        PTL
+        + " claims {input.per_seed:q} {params.maps} --subgoals {input.subgoals:q} --steps {input.steps:q}"
+        " --growth {input.growth:q} --selection-cost {input.selection_cost:q}"
+        " --library-bytes {input.library_bytes:q} --confidence {params.confidence}"
+        " --resamples {params.resamples} --output-csv {output.csv:q} --output-parts {output.parts:q}"
+        " --output-md {output.md:q} --output-html {output.html:q} 2> {log:q}"
+
+
+rule claims:
+    input:
+        rules.judge_claims.output,
