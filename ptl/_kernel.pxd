@@ -27,11 +27,13 @@ cdef class Learner:
     cdef uint32_t start, here, goal
     cdef double* values
     cdef double* best
+    cdef double* target
     cdef uint8_t* greedy
     cdef uint32_t* moves
     cdef uint8_t* cold
     cdef uint8_t* informed
     cdef uint8_t* taken_actions
+    cdef uint8_t* taken_pairs
     cdef uint8_t* last_exit
     cdef uint32_t* informed_states
     cdef int n_informed

@@ -14,6 +14,9 @@ bootstrap at the goal and r = 0 elsewhere, notes the action as the last exit fro
 
 How it is fast
 --------------
+*Table of targets.* gamma max_b Q(s,b) is kept for each state, and 1 for the goal, which is all that the update of a
+step into the state needs to know.
+
 *Table of moves.* Twelve slots a state hold the greedy moves, each tied action in 12/k of them, and four more hold the
 four actions. A draw r of 32 bits gives p = 12 r: the high half of p is a slot (0..11) and the low half decides between
 the greedy slots and the uniform ones, so that the index of a move does not depend on the state and a step is one load.
@@ -23,7 +26,8 @@ within two steps of it and the goal is none of them. There all four actions tie,
 epsilon is; both targets are gamma * 0, so the two updates leave Q as it is; and the episode cannot end. Two
 steps are therefore four random bits and one load from a table of two-step successors. The law of the episode is
 that of single steps, and the tests' plain reference, which takes these steps singly and with all updates, agrees bit
-for bit. Both last exits and both actions taken are noted as ever.
+for bit. Both last exits are noted as ever, and
+the two actions taken as one pair.
 
 Floating point is plain IEEE double without contraction: the same bits on every machine.
 """
@@ -51,6 +55,7 @@ cdef enum:
     SLOTS = 16       # moves of a state in the table: 12 greedy, then 4 uniform
     GREEDY_SLOTS = 12
     ALL_ACTIONS = 15
+    WORDS = 256      # random words drawn at a time
 
 cdef int64_t NO_LIMIT = <int64_t>1 << 62
 cdef double TWO_32 = 4294967296.0
@@ -121,21 +126,21 @@ cdef uint64_t threshold(double probability) noexcept nogil:
     return <uint64_t>(probability * TWO_32)
 
 
-cdef inline void update(Learner learner, double* values, double* best, const uint8_t* greedy,
-                        double alpha, double gamma, uint32_t state, uint32_t action, uint32_t successor,
-                        uint32_t goal) noexcept nogil:
+cdef inline void update(Learner learner, double* values, const double* target, double alpha,
+                        uint32_t state, uint32_t action, uint32_t successor) noexcept nogil:
     """One Q-learning update; the pointers come as arguments because the hot loop keeps them in registers."""
     cdef double old = values[4 * state + action]
-    cdef double target = 1.0 if successor == goal else gamma * best[successor]
-    cdef double new = old + alpha * (target - old)
-    if new == old:
+    cdef double new
+    if old == target[successor]:
         return
+    new = old + alpha * (target[successor] - old)
     values[4 * state + action] = new
-    if new > best[state]:
-        if greedy[state] == 1 << action:
-            best[state] = new
+    if new > learner.best[state]:
+        if learner.greedy[state] == 1 << action:
+            learner.best[state] = new
+            learner.target[state] = learner.gamma * new
             return
-    elif new < best[state] and not greedy[state] >> action & 1:
+    elif new < learner.best[state] and not learner.greedy[state] >> action & 1:
         return
     learner.refresh(state)
 
@@ -145,7 +150,7 @@ cdef inline uint32_t draw(Learner learner) noexcept nogil:
     if learner.has_half:
         learner.has_half = False
         return learner.half
-    if learner.next_word == 256:
+    if learner.next_word == WORDS:
         learner.draw_words()
     learner.half = learner.words[learner.next_word] >> 32
     learner.has_half = True
@@ -158,8 +163,7 @@ cdef inline void step(Learner learner, uint32_t action) noexcept nogil:
     cdef uint32_t state = learner.here, successor = learner.dynamics.successors[4 * state + action]
     learner.last_exit[state] = action
     learner.taken_actions[4 * state + action] = 1
-    update(learner, learner.values, learner.best, learner.greedy, learner.alpha, learner.gamma,
-           state, action, successor, learner.goal)
+    update(learner, learner.values, learner.target, learner.alpha, state, action, successor)
     learner.here = successor
     learner.taken += 1
 
@@ -204,19 +208,22 @@ cdef class Learner:
         self.shortcut = shortcut
         self._generator = bit_generator
         self.generator = <bitgen_t*>PyCapsule_GetPointer(bit_generator.capsule, "BitGenerator")
-        self.next_word = 256
+        self.next_word = WORDS
 
         values = np.zeros((n, 4))
-        best, greedy = np.zeros(n), np.full(n, ALL_ACTIONS, dtype=np.uint8)
+        best, target, greedy = np.zeros(n), np.zeros(n), np.full(n, ALL_ACTIONS, dtype=np.uint8)
         moves = dynamics.fresh_moves.copy()
         cold, informed = np.empty(n, dtype=np.uint8), np.zeros(n, dtype=np.uint8)
-        taken_actions, last_exit = np.zeros((n, 4), dtype=np.uint8), np.zeros(n, dtype=np.uint8)
+        taken_actions, taken_pairs = np.zeros((n, 4), dtype=np.uint8), np.zeros((n, 16), dtype=np.uint8)
+        last_exit = np.zeros(n, dtype=np.uint8)
         informed_states = np.empty(n, dtype=np.uint32)
-        self._keep = (values, best, greedy, moves, cold, informed, taken_actions, last_exit, informed_states)
-        self.values, self.best = pointer_double(values), pointer_double(best)
+        self._keep = (values, best, target, greedy, moves, cold, informed, taken_actions, taken_pairs, last_exit,
+                      informed_states)
+        self.values, self.best, self.target = pointer_double(values), pointer_double(best), pointer_double(target)
         self.greedy, self.moves = pointer8(greedy), pointer32(moves)
         self.cold, self.informed = pointer8(cold), pointer8(informed)
-        self.taken_actions, self.last_exit = pointer8(taken_actions), pointer8(last_exit)
+        self.taken_actions, self.taken_pairs = pointer8(taken_actions), pointer8(taken_pairs)
+        self.last_exit = pointer8(last_exit)
         self.informed_states = pointer32(informed_states)
 
         self.n_informed = 0
@@ -310,7 +317,12 @@ cdef class Learner:
     @property
     def seen(self):
         """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
-        return np.packbits(self._keep[6], axis=1, bitorder="little")[:, 0].copy()
+        taken = self._keep[7].copy()
+        # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
+        states, pairs = np.nonzero(self._keep[8])
+        taken[states, pairs & 3] = 1
+        taken[self.dynamics._keep[0][states, pairs & 3], pairs >> 2] = 1
+        return np.packbits(taken, axis=1, bitorder="little")[:, 0].copy()
 
     def erased_path(self):
         """States of this episode's path from its start to the present state, loops erased; int32 array (l + 1,).
@@ -326,7 +338,7 @@ cdef class Learner:
 
     cdef void draw_words(self) noexcept nogil:
         cdef int i
-        for i in range(256):
+        for i in range(WORDS):
             self.words[i] = self.generator.next_uint64(self.generator.state)
         self.next_word = 0
 
@@ -341,13 +353,16 @@ cdef class Learner:
         for i in range(self.n_informed):
             state = self.informed_states[i]
             memset(&self.values[4 * state], 0, 4 * sizeof(double))
-            self.best[state] = 0.0
+            self.best[state] = self.target[state] = 0.0
             self.greedy[state] = ALL_ACTIONS
             self.informed[state] = 0
             self.fill_moves(state)
         self.n_informed = 0
         memset(self.taken_actions, 0, 4 * n)
+        memset(self.taken_pairs, 0, 16 * n)
         memset(self.cold, self.shortcut, n)
+        self.target[self.goal] = 0.0
+        self.target[goal] = 1.0
         self.goal = goal
         self.warm_up(goal)
 
@@ -381,6 +396,8 @@ cdef class Learner:
                 best = q[action]
         greedy = (q[0] == best) | (q[1] == best) << 1 | (q[2] == best) << 2 | (q[3] == best) << 3
         self.best[state] = best
+        if state != self.goal:
+            self.target[state] = self.gamma * best
         if greedy != self.greedy[state]:
             self.greedy[state] = greedy
             self.fill_moves(state)
@@ -393,43 +410,45 @@ cdef class Learner:
     # -- episodes -----------------------------------------------------------------------------------------------
 
     cdef void run_greedily(self, int64_t budget, uint64_t epsilon) noexcept nogil:
+        # A state appears as its row, its offset SLOTS * state into the tables, so that a step is one load.
         cdef:
             uint32_t* moves = self.moves
             uint32_t* jumps = self.dynamics.jumps
             uint32_t* successors = self.dynamics.successors
             double* values = self.values
-            double* best = self.best
-            uint8_t* greedy = self.greedy
+            double* target = self.target
             uint8_t* cold = self.cold
             uint8_t* taken_actions = self.taken_actions
+            uint8_t* taken_pairs = self.taken_pairs
             uint8_t* last_exit = self.last_exit
-            double alpha = self.alpha, gamma = self.gamma
-            uint32_t goal = self.goal, state = self.here, half = self.half
+            double alpha = self.alpha
+            uint32_t goal = self.goal, row = SLOTS * self.here, half = self.half
             bint has_half = self.has_half
-            int64_t limit = min(budget, self.max_steps - self.taken), left = limit
-            uint32_t action, middle, move, slot
+            int64_t limit = max(0, min(budget, self.max_steps - self.taken)), left = limit
+            uint32_t state, action, middle, move, slot
             uint64_t word, product
-            int group
+            int group, groups
 
-        while left > 0 and state != goal:
+        while left > 0 and row != SLOTS * goal:
+            state = row // SLOTS
             if left >= 2 and cold[state]:
-                if self.next_word == 256:
+                if self.next_word == WORDS:
                     self.draw_words()
                 word = self.words[self.next_word]
                 self.next_word += 1
-                for group in range(16):
+                groups = <int>min(16, left // 2)
+                for group in range(groups):
                     slot = word & 15
                     word >>= 4
                     action = slot & 3
-                    middle = successors[4 * state + action]
+                    middle = successors[row // 4 + action]
                     last_exit[state] = action
-                    taken_actions[4 * state + action] = 1
-                    action = slot >> 2
-                    last_exit[middle] = action
-                    taken_actions[4 * middle + action] = 1
-                    state = jumps[SLOTS * state + slot] // SLOTS
+                    last_exit[middle] = slot >> 2
+                    taken_pairs[row + slot] = 1
+                    row = jumps[row + slot]
+                    state = row // SLOTS
                     left -= 2
-                    if left < 2 or not cold[state]:
+                    if not cold[state]:
                         break
                 continue
 
@@ -437,7 +456,7 @@ cdef class Learner:
                 product = <uint64_t>half * GREEDY_SLOTS
                 has_half = False
             else:
-                if self.next_word == 256:
+                if self.next_word == WORDS:
                     self.draw_words()
                 word = self.words[self.next_word]
                 self.next_word += 1
@@ -447,17 +466,17 @@ cdef class Learner:
             slot = product >> 32
             if <uint32_t>product < epsilon:
                 slot = GREEDY_SLOTS + (slot & 3)
-            move = moves[SLOTS * state + slot]
-            action = move & 3
+            move = moves[row + slot]
+            action = move % SLOTS
             last_exit[state] = action
-            taken_actions[4 * state + action] = 1
-            update(self, values, best, greedy, alpha, gamma, state, action, move // SLOTS, goal)
-            state = move // SLOTS
+            taken_actions[row // 4 + action] = 1
+            update(self, values, target, alpha, state, action, move // SLOTS)
+            row = move - action
             left -= 1
 
-        self.here = state
+        self.here = row // SLOTS
         self.half, self.has_half = half, has_half
-        self.taken += limit - left if limit > 0 else 0
+        self.taken += limit - left
 
     cdef void run_policy(self, const signed char* policy, uint32_t subgoal) noexcept nogil:
         while (self.here != subgoal and self.here != self.goal and self.taken < self.max_steps

@@ -6,7 +6,7 @@
         "define_macros": [
             [
                 "PTL_SOURCE_DIGEST",
-                "\"b62a56e791119f4139db2e24cb5e9358477cd131d33c2651acab81d56c73a577\""
+                "\"fbe1c19e160f2d368342e6a546369557e20bc1a836f9fc2d826f1e946cbd3293\""
             ],
             [
                 "NPY_NO_DEPRECATED_API",
@@ -2123,11 +2123,13 @@ struct __pyx_obj_3ptl_7_kernel_Learner {
   uint32_t goal;
   double *values;
   double *best;
+  double *target;
   uint8_t *greedy;
   uint32_t *moves;
   uint8_t *cold;
   uint8_t *informed;
   uint8_t *taken_actions;
+  uint8_t *taken_pairs;
   uint8_t *last_exit;
   uint32_t *informed_states;
   int n_informed;

@@ -1,7 +1,8 @@
 """What verdicts look at: the measures, curves, subgoals, maps and library tables of one run, in memory.
 
-Claims ask this object and nothing else, so a verdict on a run's files and one on a study's arrays are the same code. What
-is not there, or stands on too few seeds, raises `Lacking`, which makes a claim undecided instead of wrong.
+Claims ask this object and nothing else, so a verdict on a run's files and one on a study's arrays are the
+same code. What is not there, or stands on too few seeds, raises `Lacking`, which makes a claim undecided, not
+wrong.
 """
 
 from __future__ import annotations
@@ -62,16 +63,16 @@ class Evidence:
     library_bytes: pd.DataFrame | None = None
     how: Resampling = field(default_factory=Resampling)
 
-    # -- measures -----------------------------------------------------------------------------------------------
+    # -- measures ------------------------------------------------------------------------------------------
 
     def values(self, environment: str, task: str, method: str, metric: str) -> np.ndarray:
-        """A measure of every seed in ascending order, float array (seeds,); NaN is a threshold never reached."""
+        """A measure of every seed in ascending order, float array (seeds,); NaN: never reached."""
         return self._series(environment, task, method, metric).to_numpy()
 
     def pair(
         self, first: tuple[str, str, str], second: tuple[str, str, str], metric: str
     ) -> tuple[np.ndarray, np.ndarray]:
-        """A measure of two (environment, task, method) at the seeds that both have, two float arrays (seeds,)."""
+        """A measure of two (environment, task, method) at the seeds that both have, two arrays (seeds,)."""
         one, other = self._series(*first, metric), self._series(*second, metric)
         common = one.index.intersection(other.index)
         _check_number(len(common), f"{' '.join(first)} and {' '.join(second)}")
@@ -102,7 +103,9 @@ class Evidence:
     def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
         columns = list(PER_SEED_METRICS)
         return {
-            (str(environment), str(task), str(method)): part.set_index("seed")[columns].astype(float).sort_index()
+            (str(environment), str(task), str(method)): part.set_index("seed")[columns]
+            .astype(float)
+            .sort_index()
             for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"])
         }
 
@@ -110,7 +113,7 @@ class Evidence:
         """Number of seeds of the run."""
         return int(self.per_seed["seed"].nunique())
 
-    # -- everything else ----------------------------------------------------------------------------------------
+    # -- everything else -----------------------------------------------------------------------------------
 
     def curve(self, environment: str, method: str, task: str) -> np.ndarray:
         """Steps per episode, int array (seeds, episodes)."""
@@ -164,7 +167,7 @@ def _check_number(seeds: int, name: str) -> None:
         raise Lacking(f"{name}: {seeds} seeds, fewer than the {SEEDS_NEEDED} that a verdict needs")
 
 
-# -- from files ---------------------------------------------------------------------------------------------------
+# -- from files ---------------------------------------------------------------------------------------------
 
 
 def read_evidence(
@@ -192,7 +195,9 @@ def read_evidence(
         subgoals=None if subgoals is None else _read_table(subgoals, where),
         growth=None if growth is None else _read_table(growth, ("run", "tasks", "library_size")),
         selection_cost=None if selection_cost is None else _read_table(selection_cost, ("skills", "seconds")),
-        library_bytes=None if library_bytes is None else _read_table(library_bytes, ("states", "skills", "bytes")),
+        library_bytes=None
+        if library_bytes is None
+        else _read_table(library_bytes, ("states", "skills", "bytes")),
         how=how or Resampling(),
     )
 
@@ -205,7 +210,9 @@ def _read_table(path: str | Path, columns: tuple[str, ...]) -> pd.DataFrame:
     return _with_columns(frame, path, columns)
 
 
-def _with_columns(frame: pd.DataFrame, path: str | Path, columns: Mapping[str, object] | tuple[str, ...]) -> pd.DataFrame:
+def _with_columns(
+    frame: pd.DataFrame, path: str | Path, columns: Mapping[str, object] | tuple[str, ...]
+) -> pd.DataFrame:
     for column in columns:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; make it again")

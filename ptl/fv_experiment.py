@@ -93,7 +93,12 @@ ARMS = {
 
 
 def learn_gains(
-    world: GridWorld, goal: int, method: BaseMethod, trials: int, seed_names: Iterable[str | int], root_seed: int
+    world: GridWorld,
+    goal: int,
+    method: BaseMethod,
+    trials: int,
+    seed_names: Iterable[str | int],
+    root_seed: int,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Learn one task from random starts.
 
@@ -180,7 +185,9 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
     starts = np.flatnonzero(distance > 0)
     state = starts.copy()
     gain = np.zeros(len(starts))
-    successors = np.where(policy >= 0, world.successors[np.arange(world.n_states), policy], np.arange(world.n_states))
+    successors = np.where(
+        policy >= 0, world.successors[np.arange(world.n_states), policy], np.arange(world.n_states)
+    )
     for step in range(MAX_STEPS):
         before = state
         state = np.where(state == goal, goal, successors[state])
@@ -193,7 +200,13 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
 
 
 def run_job(
-    world: GridWorld, arm_name: str, seeds: Iterable[int], root_seed: int, trials: int, library_trials: int, output: Path
+    world: GridWorld,
+    arm_name: str,
+    seeds: Iterable[int],
+    root_seed: int,
+    trials: int,
+    library_trials: int,
+    output: Path,
 ) -> None:
     """Learn one arm with several seeds and write the gains, float array (seeds, trials)."""
     if arm_name not in ARMS:
@@ -250,5 +263,7 @@ def read_gains(paths: Iterable[str | Path]) -> list[Gains]:
         found[name] = Gains(ARMS[name], arrays["gain"], arrays["policy_quality"])
     trials = {gains.gain.shape[1] for gains in found.values()}
     if len(trials) > 1:
-        raise UserError(f"files with {' and '.join(map(str, sorted(trials)))} trials cannot be compared; make them again")
+        raise UserError(
+            f"files with {' and '.join(map(str, sorted(trials)))} trials cannot be compared; make them again"
+        )
     return [found[name] for name in ARMS if name in found]

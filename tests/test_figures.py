@@ -42,15 +42,15 @@ SEEDS, RUNS = 3, 4
 TWO_SLOPES = TwoSlopes(bend=7, intercept=0.5, before=0.6, after=0.2)
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture(scope="module", autouse=True)
 def coarse_pictures() -> Iterator[None]:
-    """Fewer dots than the published figures have, because painting dots is most of the time of these tests."""
+    """Fewer dots than the published figures have, because painting dots takes time."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(style, "PNG_RESOLUTION", 60)
         yield
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with one small input of every kind, real runs wherever runs are drawn."""
     folder = tmp_path_factory.mktemp("figures")
@@ -65,7 +65,8 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_learning(folder / f"seed_{seed}.h5", life, world, origin)
     arrays = subgoal_frequencies(world, range(3), 5, Learning(), 1, "small")
     origin = {
-        "environment": "small", "trajectories": 5, "root_seed": 1, "code": "-", "parameters": PARAMETERS.to_dict()
+        "environment": "small", "trajectories": 5, "root_seed": 1, "code": "-",
+        "parameters": PARAMETERS.to_dict(),
     }  # fmt: skip
     write_frequencies(folder / "frequencies.h5", arrays, world, origin)
     random = np.random.default_rng(0)
@@ -112,7 +113,7 @@ def run(kind: str, inputs: Path, output: Path, *more: str) -> None:
     assert result.exit_code == 0, result.output
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def frames(inputs: Path) -> dict[str, pd.DataFrame]:
     """The CSV twin of every figure, by kind."""
     for kind in ARGUMENTS:
@@ -152,7 +153,7 @@ def test_picture_has_ink_and_nothing_is_cut_off(
         assert edge.all()
 
 
-# -- numbers --------------------------------------------------------------------------------------------------
+# -- numbers ------------------------------------------------------------------------------------------------
 
 
 def test_map_numbers(frames: dict[str, pd.DataFrame]) -> None:
@@ -277,7 +278,7 @@ def test_library_cost_numbers(frames: dict[str, pd.DataFrame]) -> None:
     assert len(storage) == 6
 
 
-# -- pieces ---------------------------------------------------------------------------------------------------
+# -- pieces -------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("before", "after"), [(0.6, 0.1), (0.1, 0.8), (0.3, 0.3)])
@@ -349,7 +350,7 @@ def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
     )
 
 
-# -- refusals -------------------------------------------------------------------------------------------------
+# -- refusals -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

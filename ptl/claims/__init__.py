@@ -1,7 +1,8 @@
 """The article's claims, each a small check of the run's own results beside its statement.
 
-`comparisons` holds the measures and comparisons that checks are made of, `thresholds` what vague words mean, `verdict` the
-one rule from parts to a verdict, `ledger` the pages. Add a claim by writing its check in the file of its subject.
+`comparisons` holds the measures and comparisons that checks are made of, `thresholds` what vague words mean,
+`verdict` the one rule from parts to a verdict, `ledger` the pages. Add a claim by writing its check in the
+file of its subject.
 """
 
 from __future__ import annotations

@@ -1,4 +1,7 @@
-"""The comparisons that claims are made of. Intervals are those of the tables (same names, same random streams)."""
+"""The comparisons that claims are made of.
+
+Where the tables have the same number, the interval is the same too: same name, same random stream.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +21,9 @@ VARIANTS = (PTL, SUPERVISED, UNKNOWN)
 OTHERS = (BASE, FULL, REUSE)
 
 TRANSFER_TASKS, LAST_TASK = "BCDEF", "F"
-"""Tasks with something to transfer, those of the tables; and the hardest one, that of the article's curves. A claim that
-names no task is checked on the last one, a claim on "every" measure on all of them. "PTL" alone is the method ``ptl``."""
+"""Tasks with something to transfer, those of the tables; and the hardest one, that of the article's curves. A
+claim that names no task is checked on the last one, a claim on "every" measure on all of them. "PTL" alone is
+the method ``ptl``."""
 
 MEASURES = ("jump_start", "asymptotic", "threshold_episode", "total_steps", "transfer_ratio")
 """The measures of the tables."""
@@ -34,7 +38,7 @@ NAMES = {
 }
 
 
-# -- estimates -----------------------------------------------------------------------------------------------------
+# -- estimates -----------------------------------------------------------------------------------------------
 
 
 def mean(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> Estimate:
@@ -44,14 +48,14 @@ def mean(evidence: Evidence, environment: str, task: str, method: str, metric: s
 
 
 def saved(evidence: Evidence, environment: str, task: str, method: str, other: str, metric: str) -> Estimate:
-    """Mean of a measure of another method minus that of the method, paired by seed; positive is fewer steps."""
+    """Mean of a measure of another method minus that of the method, paired by seed; positive is good."""
     own, others = evidence.pair((environment, task, method), (environment, task, other), metric)
     generator = named_generator(environment, task, method, other, metric, "saved")
     return statistics.mean_difference(others, own, evidence.how, generator)
 
 
 def saved_percent(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> Estimate:
-    """What a method saves of ``first_episode`` or ``total_steps``, in % of the base's mean (a ratio of means)."""
+    """What a method saves of ``first_episode`` or ``total_steps``, in % of the base (a ratio of means)."""
     own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
     name = {"first_episode": "jump_start_percent", "total_steps": "transfer_ratio_of_means"}[metric]
     generator = named_generator(environment, task, method, name)
@@ -74,8 +78,10 @@ def mean_share(evidence: Evidence, hits: np.ndarray, *names: str) -> Estimate:
     return statistics.mean(hits.mean(axis=1), evidence.how, named_generator(*names, "share"))
 
 
-def probability_of_being_quicker(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
-    """Probability that a run of the method reaches the threshold before a run of the other; never is the last place."""
+def probability_of_being_quicker(
+    evidence: Evidence, environment: str, task: str, method: str, other: str
+) -> Estimate:
+    """Probability that a run of the method reaches the threshold sooner; never reaching it comes last."""
     own, others = (
         np.nan_to_num(evidence.values(environment, task, name, "threshold_episode"), nan=np.inf)
         for name in (method, other)
@@ -85,7 +91,7 @@ def probability_of_being_quicker(evidence: Evidence, environment: str, task: str
 
 
 def episodes_to_threshold(evidence: Evidence, environment: str, task: str, method: str) -> np.ndarray:
-    """Time to threshold of each seed; one that never reaches it counts with all its episodes, the least it can be."""
+    """Time to threshold of each seed; one that never reaches it counts with all its episodes."""
     episodes = evidence.curve(environment, method, task).shape[1]
     return np.nan_to_num(evidence.values(environment, task, method, "threshold_episode"), nan=float(episodes))
 
@@ -93,10 +99,14 @@ def episodes_to_threshold(evidence: Evidence, environment: str, task: str, metho
 def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) -> Estimate:
     """Mean of `episodes_to_threshold` (a restricted mean, as of survival times)."""
     generator = named_generator(environment, task, method, "episodes_to_threshold")
-    return statistics.mean(episodes_to_threshold(evidence, environment, task, method), evidence.how, generator)
+    return statistics.mean(
+        episodes_to_threshold(evidence, environment, task, method), evidence.how, generator
+    )
 
 
-def times_as_many_episodes(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
+def times_as_many_episodes(
+    evidence: Evidence, environment: str, task: str, method: str, other: str
+) -> Estimate:
     """Mean episodes to threshold of the other method over those of the method."""
     own, others = (episodes_to_threshold(evidence, environment, task, name) for name in (method, other))
     if len(own) != len(others):
@@ -105,7 +115,7 @@ def times_as_many_episodes(evidence: Evidence, environment: str, task: str, meth
     return statistics.ratio_of_means(others, own, evidence.how, generator)
 
 
-# -- parts ---------------------------------------------------------------------------------------------------------
+# -- parts ---------------------------------------------------------------------------------------------------
 
 
 def improves(evidence: Evidence, environment: str, task: str, method: str, measure: str) -> Part:
@@ -128,7 +138,9 @@ def saves(
     return above(f"task {task}, {NAMES[metric]}, {other} minus {method}", estimate, 0.0, "steps")
 
 
-def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task: str = LAST_TASK) -> Iterator[Part]:
+def needs_fewer_episodes(
+    evidence: Evidence, environment: str, other: str, task: str = LAST_TASK
+) -> Iterator[Part]:
     """PTL reaches the threshold sooner than another method, and in far fewer episodes."""
     quicker = probability_of_being_quicker(evidence, environment, task, PTL, other)
     yield above(f"task {task}, probability that {PTL} is quicker than {other}", quicker, 0.5)
@@ -141,23 +153,31 @@ def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
     return above(f"{text}, share of runs", share(evidence, hits), MOST)
 
 
-def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
+def fewer_than(
+    evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK
+) -> Part:
     """The method reaches the threshold within some episodes."""
-    return below(_episodes_text(task, method), mean_episodes(evidence, environment, task, method), bound, "episodes")
+    return below(
+        _episodes_text(task, method), mean_episodes(evidence, environment, task, method), bound, "episodes"
+    )
 
 
 def _episodes_text(task: str, method: str) -> str:
     return f"task {task}, {method}, episodes to the threshold"
 
 
-# -- notes ---------------------------------------------------------------------------------------------------------
+# -- notes ---------------------------------------------------------------------------------------------------
 
 
 def elsewhere(
     evidence: Evidence, environment: str, metric: str, cases: Iterable[tuple[str, str]] | None = None
 ) -> Iterator[str]:
-    """Percent saved by PTL on the other tasks, and by its variants on the last one; what is not there is left out."""
-    cases = cases or [*((PTL, task) for task in TRANSFER_TASKS[:-1]), (SUPERVISED, LAST_TASK), (UNKNOWN, LAST_TASK)]
+    """Percent saved by PTL on the other tasks, and by its variants on the last one; gaps are left out."""
+    cases = cases or [
+        *((PTL, task) for task in TRANSFER_TASKS[:-1]),
+        (SUPERVISED, LAST_TASK),
+        (UNKNOWN, LAST_TASK),
+    ]
     found = []
     for method, task in cases:
         try:
@@ -169,8 +189,10 @@ def elsewhere(
         yield f"{NAMES[metric]} saved in % of the base elsewhere: {', '.join(found)}"
 
 
-def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
-    """How many seeds entered a mean of episodes with the length of the task because they never reached the threshold."""
+def never_reached(
+    evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK
+) -> Iterator[str]:
+    """How many seeds never reached the threshold and so entered means with the length of the task."""
     found = []
     for method in methods:
         missing = int(np.isnan(evidence.values(environment, task, method, "threshold_episode")).sum())

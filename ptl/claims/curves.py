@@ -16,7 +16,7 @@ from ptl.statistics import named_generator
 
 
 def blocks(curve: np.ndarray) -> np.ndarray:
-    """Mean steps in each block of episodes, float array (seeds, blocks); a shorter rest at the end is left out."""
+    """Mean steps in each block of episodes, float array (seeds, blocks); a shorter rest is left out."""
     whole = curve.shape[1] // BLOCK * BLOCK
     return curve[:, :whole].reshape(len(curve), -1, BLOCK).mean(axis=2)
 
@@ -50,15 +50,17 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
                 first, last = index * BLOCK + 1, (index + 1) * BLOCK
                 generator = named_generator(environment, other, c.PTL, "curves", index)
                 estimate = statistics.mean(values, evidence.how, generator)
-                yield above(f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps")
+                yield above(
+                    f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps"
+                )
             below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
-            yield f"{environment}: the mean curve lies below that of {other} in {below} of {own.shape[1]} episodes"
+            yield f"{environment}: the mean is below that of {other} in {below} of {own.shape[1]} episodes"
 
 
 @claim(
     "reuse-spikes",
-    "Policy reuse degrades in some episodes: most runs have spikes, and they are more than those of learning without"
-    " transfer.",
+    "Policy reuse degrades in some episodes: most runs have spikes, and they are more than those of learning"
+    " without transfer.",
     shown_in="figure12",
 )
 def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
@@ -67,7 +69,9 @@ def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
         reuse = spikes(evidence.curve(environment, c.REUSE, c.LAST_TASK))
         base = spikes(evidence.curve(environment, c.BASE, c.LAST_TASK))
         same_seeds(reuse, base, environment)
-        yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST)
+        yield above(
+            f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST
+        )
         generator = named_generator(environment, c.REUSE, "spikes")
         more = statistics.mean_difference(reuse, base, evidence.how, generator)
         yield above(f"{environment}, spikes a run, {c.REUSE} minus {c.BASE}", more, 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
@@ -20,16 +21,18 @@ TABLES = "table1 table2"
 
 @claim(
     "E1-subgoals",
-    "Subgoals concentrate on the doorways with the incremental metric; the original metric does not single out the"
-    " newest doorway, the last one on the way to the goal.",
+    "Subgoals concentrate on the doorways with the incremental metric; the original metric does not single"
+    " out the newest doorway, the last one on the way to the goal.",
     shown_in="figure09",
 )
 def subgoals(evidence: Evidence) -> Iterator[Part | str]:
-    """The subgoal of a task is the state where the metric is greatest; task A has only one doorway to single out."""
+    """The subgoal of a task is where the metric is greatest; task A has only one doorway to single out."""
     world = evidence.world(ENV)
     doors = places.doorways(world)
     at_any = places.near(world, doors, AT)
-    at_newest = {task: places.near(world, [places.newest_doorway(world, world.goal(task))], AT) for task in TASKS}
+    at_newest = {
+        task: places.near(world, [places.newest_doorway(world, world.goal(task))], AT) for task in TASKS
+    }
 
     def found(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
         peaks = {task: evidence.peaks(ENV, c.PTL, task, metric) for task in tasks}
@@ -39,10 +42,16 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     newest = found("incremental", TASKS, at_newest)
     original = found("original", c.TRANSFER_TASKS, at_newest)
     name = (ENV, "subgoals")
-    yield above("incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MOST)
-    yield above("incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MOST)
+    yield above(
+        "incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MOST
+    )
+    yield above(
+        "incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MOST
+    )
     yield below(
-        "original metric, share on the newest doorway, tasks B to F", c.mean_share(evidence, original, *name), MOST
+        "original metric, share on the newest doorway, tasks B to F",
+        c.mean_share(evidence, original, *name),
+        MOST,
     )
     yield f"doorways and their neighbours are {at_any.mean():.1%} of the states"
     exactly = found("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
@@ -52,14 +61,14 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E1-order",
-    "Without transfer, performance degrades regularly as the tasks get harder: each task from B to F takes more steps"
-    " than the one before, in total and at the end.",
+    "Without transfer, performance degrades regularly as the tasks get harder: each task from B to F takes"
+    " more steps than the one before, in total and at the end.",
     shown_in=TABLES,
 )
 def order(evidence: Evidence) -> Iterator[Part]:
     """Tasks are paired by seed."""
     for metric in ("total_steps", "asymptotic"):
-        for easier, harder in zip(TASKS, TASKS[1:], strict=False):
+        for easier, harder in pairwise(TASKS):
             low, high = evidence.pair((ENV, easier, c.BASE), (ENV, harder, c.BASE), metric)
             generator = c.named_generator(ENV, easier, harder, c.BASE, metric)
             more = c.statistics.mean_difference(high, low, evidence.how, generator)
@@ -79,7 +88,11 @@ def every_measure(evidence: Evidence) -> Iterator[Part]:
                 yield c.improves(evidence, ENV, task, method, measure)
 
 
-@claim("E1-jump", "The first episode of PTL is about 80 to 90 % shorter than without transfer.", shown_in="table1")
+@claim(
+    "E1-jump",
+    "The first episode of PTL is about 80 to 90 % shorter than without transfer.",
+    shown_in="table1",
+)
 def jump(evidence: Evidence) -> Iterator[Part | str]:
     """Direction and size, on the hardest task."""
     percent = c.saved_percent(evidence, ENV, c.LAST_TASK, c.PTL, "first_episode")
@@ -124,7 +137,8 @@ def total(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E1-unknown",
-    "Not knowing the goal costs PTL something in total, yet it still needs fewer steps than the other approaches.",
+    "Not knowing the goal costs PTL something in total, yet it still needs fewer steps than the other"
+    " approaches.",
     shown_in="table2 figure12",
 )
 def unknown_goal(evidence: Evidence) -> Iterator[Part]:

@@ -30,8 +30,8 @@ def size(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E2-all",
-    "PTL improves every measure of the tables significantly over no transfer, in every task from B to F, except the"
-    " first episode with the goal unknown, which deviates too much.",
+    "PTL improves every measure of the tables significantly over no transfer, in every task from B to F,"
+    " except the first episode with the goal unknown, which deviates too much.",
     shown_in=TABLES,
 )
 def every_measure(evidence: Evidence) -> Iterator[Part]:
@@ -69,12 +69,12 @@ def positive_transfer(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E2-subgoals",
-    "Goals in small rooms give subgoals at the doors of these rooms; goals in the big room give subgoals inside it, not"
-    " in the corridor.",
+    "Goals in small rooms give subgoals at the doors of these rooms; goals in the big room give subgoals"
+    " inside it, not in the corridor.",
     shown_in="figure10",
 )
 def subgoals(evidence: Evidence) -> Iterator[Part | str]:
-    """Rooms are what the doorways part; the corridor is the start's, the big room the largest of the others."""
+    """Rooms are what doorways part; the corridor is the start's, the big room the largest of the others."""
     world = evidence.world(ENV)
     room = places.rooms(world)
     sizes = np.bincount(room[room >= 0])
@@ -89,8 +89,13 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
             where, text = room == big, f"task {task}, subgoal inside the big room"
         else:
             doors = places.doors_of(world, goal_room)
-            where, text = places.near(world, doors, AT), f"task {task}, subgoal at the door of the goal's room"
-            distance = places.steps_to(world, doors)[peaks[peaks >= 0]].mean() if (peaks >= 0).any() else np.nan
+            where, text = (
+                places.near(world, doors, AT),
+                f"task {task}, subgoal at the door of the goal's room",
+            )
+            distance = (
+                places.steps_to(world, doors)[peaks[peaks >= 0]].mean() if (peaks >= 0).any() else np.nan
+            )
             yield f"task {task}: the mean distance of the subgoal from the door is {c.number(distance)} steps"
         yield c.mostly(evidence, text, (peaks >= 0) & where[peaks])
 

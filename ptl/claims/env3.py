@@ -15,12 +15,13 @@ ENV = "env3"
 
 MAP_SHAPE = (21, 24)
 LOWER_CORRIDOR = ((14, 15), (1, 22))
-"""Rows and columns of the corridor, two cells wide, that runs below the middle from one side of the map to the other."""
+"""Rows and columns of the corridor, two cells wide, that runs below the middle from side to side."""
 
 ROOM = ((1, 3), (13, 22))
-"""Rows and columns of the room in the upper right. A wall with one gap, at row 2 and column 17, parts it into a half with
-goal A, where the door from the corridor is, and a half with goals E and F. "The room" is read as both halves with the
-gap, since the article opposes it to the corridors; the count for the inner half alone is given beside it."""
+"""Rows and columns of the room in the upper right. A wall with one gap, at row 2 and column 17, parts it into
+a half with goal A, where the door from the corridor is, and a half with goals E and F. "The room" is read as
+both halves with the gap, since the article opposes it to the corridors; the count for the inner half alone is
+given beside it."""
 
 INNER_HALF = ((1, 3), (18, 22))
 
@@ -66,7 +67,8 @@ def few_episodes(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E3-subgoals",
-    "The new subgoal of task C lies in the lower corridor; those of E and F lie inside the room in the upper right.",
+    "The new subgoal of task C lies in the lower corridor; those of E and F lie inside the room in the upper"
+    " right.",
     shown_in="figure11",
 )
 def subgoals(evidence: Evidence) -> Iterator[Part | str]:

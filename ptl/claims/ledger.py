@@ -28,11 +28,12 @@ MARKS = {Outcome.HOLDS: "✓", Outcome.FAILS: "✗", Outcome.OPEN: "○"}
 CLASSES = {Verdict.REPRODUCED: "yes", Verdict.PARTLY: "partly", Verdict.NOT: "no", Verdict.UNDECIDED: "open"}
 
 RULE = (
-    "A claim consists of parts, each an estimate with its interval. A part holds if the whole interval lies where the claim"
-    " says, fails if it lies wholly elsewhere, and is open if it reaches to both sides. Reproduced: all parts hold; partly:"
-    " some; not reproduced: none holds and at least one fails; undecided: all are open, or the run lacks something or has"
-    f" fewer than {SEEDS_NEEDED} seeds. Parts are not corrected for their number, so of many a few may miss by chance. Task F"
-    " and the method ptl are meant where a claim names no other."
+    "A claim consists of parts, each an estimate with its interval. A part holds if the whole interval lies"
+    " where the claim says, fails if it lies wholly elsewhere, and is open if it reaches to both sides."
+    " Reproduced: all parts hold; partly: some; not reproduced: none holds and at least one fails; undecided:"
+    f" all are open, or the run lacks something or has fewer than {SEEDS_NEEDED} seeds. Parts are not"
+    " corrected for their number, so of many a few may miss by chance. Task F and the method ptl are meant"
+    " where a claim names no other."
 )
 
 
@@ -46,8 +47,9 @@ class Run:
 
     def __str__(self) -> str:
         return (
-            f"{self.seeds} seeds; {100 * self.confidence:g} % intervals in brackets (bootstrap with {self.resamples:,}"
-            " resamples, paired by seed where methods are compared; Wilson for shares of runs)"
+            f"{self.seeds} seeds; {100 * self.confidence:g} % intervals in brackets (bootstrap,"
+            f" {self.resamples:,} resamples, paired by seed where methods are compared; Wilson for shares of"
+            " runs)"
         )
 
 
@@ -63,7 +65,12 @@ def summary(judgements: Sequence[Judgement]) -> str:
 
 def evidence_text(judgement: Judgement) -> str:
     """The numbers behind a verdict in one paragraph."""
-    sentences = [_headline(judgement), *map(str, _parts_to_show(judgement)), _rest(judgement), *judgement.notes]
+    sentences = [
+        _headline(judgement),
+        *map(str, _parts_to_show(judgement)),
+        _rest(judgement),
+        *judgement.notes,
+    ]
     return "; ".join(sentence for sentence in sentences if sentence)
 
 
@@ -75,7 +82,7 @@ def _headline(judgement: Judgement) -> str:
     held = [part.outcome for part in judgement.parts]
     return (
         f"{held.count(Outcome.HOLDS)} of {len(held)} parts hold, {held.count(Outcome.FAILS)} fail,"
-        f" {held.count(Outcome.OPEN)} are open"
+        f" {held.count(Outcome.OPEN)} open"
     )
 
 
@@ -93,10 +100,12 @@ def _missed(judgement: Judgement) -> list[Part]:
 
 def _rest(judgement: Judgement) -> str:
     hidden = len(_missed(judgement)) - LISTED
-    return f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > SHOWN_PARTS and hidden > 0 else ""
+    return (
+        f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > SHOWN_PARTS and hidden > 0 else ""
+    )
 
 
-# -- CSV ----------------------------------------------------------------------------------------------------------
+# -- CSV ----------------------------------------------------------------------------------------------------
 
 
 def to_frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
@@ -114,14 +123,23 @@ def to_frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
 def to_parts_frame(judgements: Sequence[Judgement]) -> pd.DataFrame:
     """One row for each part of each claim, columns `PART_COLUMNS`."""
     rows = [
-        (j.claim.id, p.text, p.estimate.value, p.estimate.low, p.estimate.high, p.unit, p.demand, str(p.outcome))
+        (
+            j.claim.id,
+            p.text,
+            p.estimate.value,
+            p.estimate.low,
+            p.estimate.high,
+            p.unit,
+            p.demand,
+            str(p.outcome),
+        )
         for j in judgements
         for p in j.parts
     ]
     return pd.DataFrame(rows, columns=list(PART_COLUMNS))
 
 
-# -- Markdown -----------------------------------------------------------------------------------------------------
+# -- Markdown -----------------------------------------------------------------------------------------------
 
 
 def to_markdown(judgements: Sequence[Judgement], run: Run) -> str:
@@ -168,11 +186,12 @@ def _link(item: str) -> str:
     return f"tables/{item}.md" if item.startswith("table") else f"figures/{item}.png"
 
 
-# -- page -----------------------------------------------------------------------------------------------------------
+# -- page ----------------------------------------------------------------------------------------------------
 
 PAGE_STYLE = """
 :root { --yes: #0072b2; --partly: #b87a00; --no: #c04a00; --open: #6b7480; }
-@media (prefers-color-scheme: dark) { :root { --yes: #56b4e9; --partly: #e69f00; --no: #f0804a; --open: #9aa4b0; } }
+@media (prefers-color-scheme: dark) {
+  :root { --yes: #56b4e9; --partly: #e69f00; --no: #f0804a; --open: #9aa4b0; } }
 main { max-width: 78rem; margin: 0 auto; }
 h1 { font-size: 1.35rem; line-height: 1.3; margin: 0 0 .5rem; text-wrap: balance; }
 p { max-width: 90ch; }
@@ -180,18 +199,22 @@ p { max-width: 90ch; }
 .counts li { border: 1px solid var(--rule); border-left: .35rem solid var(--kind); border-radius: .3rem;
   padding: .35rem .8rem; }
 .counts b { font-size: 1.3rem; margin-right: .35rem; }
-.yes { --kind: var(--yes); } .partly { --kind: var(--partly); } .no { --kind: var(--no); } .open { --kind: var(--open); }
+.yes { --kind: var(--yes); } .partly { --kind: var(--partly); }
+.no { --kind: var(--no); } .open { --kind: var(--open); }
 table { width: 100%; }
 th, td { text-align: left; white-space: normal; padding: .6rem .8rem; }
 thead tr:first-child th { text-align: left; padding-bottom: .4rem; border-bottom: 1px solid var(--strong);
   font-size: 1em; color: var(--ink); font-weight: 600; }
-tbody th[scope=row] { position: static; font-weight: 600; white-space: nowrap; border-left: .35rem solid var(--kind); }
+tbody th[scope=row] { position: static; font-weight: 600; white-space: nowrap;
+  border-left: .35rem solid var(--kind); }
 td.claim { min-width: 14rem; max-width: 20rem; }
+td.evidence { width: 55%; }
 td.verdict { white-space: nowrap; font-weight: 600; }
 td.verdict span { color: var(--kind); display: inline-block; width: 1.2em; font-size: 1.1em; }
 td.evidence ul { margin: 0; padding: 0; list-style: none; }
 td.evidence li { padding-left: 1.5em; text-indent: -1.5em; }
-td.evidence li::before { content: attr(data-mark); display: inline-block; width: 1.5em; text-indent: 0; font-weight: 600; }
+td.evidence li::before { content: attr(data-mark); display: inline-block; width: 1.5em; text-indent: 0;
+  font-weight: 600; }
 td.evidence li.note, td.evidence .demand { color: var(--soft); font-size: .92em; }
 td.evidence p { margin: 0 0 .3rem; }
 details summary { cursor: pointer; color: var(--soft); margin-top: .3rem; }
@@ -205,7 +228,7 @@ dt { font-weight: 600; } dd { margin: 0; }
   tbody tr { padding: .7rem 0; border-left: .35rem solid var(--kind); }
   tbody th[scope=row] { border-left: 0; }
   th, td { padding: .15rem .8rem; }
-  td.claim { max-width: none; }
+  td.claim, td.evidence { width: auto; max-width: none; }
   dl { display: block; } dd { margin: 0 0 .5rem; }
 }
 """.strip()

@@ -2,24 +2,24 @@
 
 A claim consists of parts. A part compares one estimate with what the claim demands, by its interval:
 
-* it *holds* if the whole interval lies where the claim says (for a demand that something differs: clear of 0);
+* it *holds* if the whole interval lies where the claim says (for a demand that something differs: off 0);
 * it *fails* if the whole interval lies elsewhere;
 * it is *open* if the interval has both; more runs could decide it.
 
-A part that denies significance ("whose deviation is too high") is the exception: it fails if the whole interval is above
-0, and holds otherwise.
+A part that denies significance ("whose deviation is too high") is the exception: it fails if the whole
+interval is above 0, and holds otherwise.
 
 The verdict:
 
 * **reproduced** if every part holds;
 * **partly reproduced** if some parts hold and others do not;
 * **not reproduced** if no part holds and at least one fails;
-* **undecided** if all parts are open, or something that the claim needs is not in the run or stands on fewer than ten
-  seeds.
+* **undecided** if all parts are open, or something that the claim needs is not in the run or stands on fewer
+  than ten seeds.
 
-A claim with a number ("improves by more than 90 %") has two parts, the direction and the size, so that the right
-direction with another size is "partly reproduced". Parts are not corrected for their number: with many parts, a few may
-be open or fail by chance, and the ledger names them.
+A claim with a number ("improves by more than 90 %") has two parts, the direction and the size, so that the
+right direction with another size is "partly reproduced". Parts are not corrected for their number: with many
+parts, a few may be open or fail by chance, and the ledger names them.
 """
 
 from __future__ import annotations
@@ -93,9 +93,11 @@ def between(text: str, estimate: Estimate, low: float, high: float, unit: str = 
 
 
 def not_significant(text: str, estimate: Estimate, unit: str = "") -> Part:
-    """Claims that a difference is not significantly positive: fails if the whole interval is above 0, is never open."""
-    significant = estimate.low > 0
-    return Part(text, estimate, "not significantly > 0", Outcome.FAILS if significant else Outcome.HOLDS, unit)
+    """Claims that a difference is not significantly positive; open only without an interval."""
+    outcome = Outcome.FAILS if estimate.low > 0 else Outcome.HOLDS
+    if math.isnan(estimate.low):
+        outcome = Outcome.OPEN
+    return Part(text, estimate, "not significantly > 0", outcome, unit)
 
 
 def _inside(estimate: Estimate, low: float, high: float) -> Outcome:

@@ -45,7 +45,7 @@ def command(
     output_md: Path,
     output_html: Path,
 ) -> None:
-    """Judge the article's claims by PER_SEED, the table that `ptl measure` wrote, and the other files of the run.
+    """Judge the article's claims by PER_SEED, the table of `ptl measure`, and the other files of the run.
 
     Claims that need a file which is left out come out as undecided.
     """

@@ -9,7 +9,8 @@ The data set is a dictionary that JSON can hold; arrays are packed as `ptl.explo
                   guides: "skills", "policies" (of earlier tasks) or "none"
                   episode: how its first episode goes: "explore", "skills", "reuse" or "unknown"
 
-``runs`` holds for "method/seed" a dictionary {skills, tasks}; a skill is {subgoal, after, policy (actions)} and a task
+``runs`` holds for "method/seed" a dictionary {skills, tasks}; a skill is {subgoal, after (index of the task that
+taught it), policy (actions)} and a task
 
     name, start, goal, subgoal (-1 if none was added), reason
     steps         varints, one an episode
@@ -25,6 +26,7 @@ The data set is a dictionary that JSON can hold; arrays are packed as `ptl.explo
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +63,8 @@ def collect(
     Raises
     ------
     UserError
-        If a file is damaged, two files disagree on map or parameters, or a method lacks a seed that another one has.
+        If a file is damaged, two files disagree on map or parameters, or a method lacks a seed that another
+        one has.
     """
     wanted = None if seeds is None else set(seeds)
     environments: dict[str, dict[str, Any]] = {}
@@ -71,7 +74,9 @@ def collect(
             if wanted is None or file.seed in wanted:
                 _add(file, environments, kinds, titles or {})
     if not environments:
-        raise UserError("no learning file to show; name the files of a run, with the seeds that --seed asks for")
+        raise UserError(
+            "no learning file to show; name the files of a run, with the seeds that --seed asks for"
+        )
     _check_complete(environments.values(), wanted)
     return {
         "format": FORMAT,
@@ -82,7 +87,10 @@ def collect(
 
 
 def _add(
-    file: LearningFile, environments: dict[str, dict[str, Any]], kinds: dict[str, dict[str, str]], titles: Mapping
+    file: LearningFile,
+    environments: dict[str, dict[str, Any]],
+    kinds: dict[str, dict[str, str]],
+    titles: Mapping[str, str],
 ) -> None:
     fresh = {
         "name": file.environment,
@@ -98,7 +106,7 @@ def _add(
     for key in ("map", "parameters", "tasks"):
         if entry[key] != fresh[key]:
             raise UserError(
-                f"{file.file.filename}: its {key} differ from those of the files before it of {file.environment};"
+                f"{file.file.filename}: its {key} differ from those of earlier files of {file.environment};"
                 " give the files of one run"
             )
     name = f"{file.method}/{file.seed}"
@@ -154,7 +162,7 @@ def _task(task: TaskView, choice: Choices) -> dict[str, Any]:
 
 def _counted(task: TaskView) -> Iterator[int]:
     selected, offsets = task.selected, task.selected_offsets
-    for first, last in zip(offsets[:-1], offsets[1:], strict=True):
+    for first, last in pairwise(offsets):
         yield int(last - first)
         yield from selected[first:last].tolist()
 

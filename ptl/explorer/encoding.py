@@ -1,6 +1,6 @@
 """How arrays are packed into the page: little-endian bytes or varints, as base64 text.
 
-The scripts unpack them in ``web/decode.js``. Nothing here is lossy but the conversions named in the functions.
+The scripts unpack them in ``web/decode.js``. Only what the functions name is lost.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ def bytes_text(data: bytes) -> str:
 def logarithms(values: np.ndarray) -> str:
     """Natural logarithms of values >= 0 as float32; 0 becomes minus infinity.
 
-    Values of far states lie below the least float32, their logarithms do not: down to 1e-308 a value comes back with
-    a relative error below 4e-5.
+    Values of far states lie below the least float32, their logarithms do not: down to 1e-308 a value comes back
+    with a relative error below 4e-5.
     """
     with np.errstate(divide="ignore"):
         return bytes_text(np.log(np.asarray(values, dtype=np.float64)).astype("<f4").tobytes())

@@ -1,7 +1,8 @@
 """Joins the data set, the style and the scripts into one HTML file that needs nothing else.
 
 The scripts in ``web`` are plain ES modules. They are joined without a build tool: import lines and the word
-``export`` are dropped, and the whole becomes one function, so no name reaches the page and no file refers to another.
+``export`` are dropped, and the whole becomes one function, so no name reaches the page and no file refers to
+another.
 """
 
 from __future__ import annotations
@@ -17,7 +18,16 @@ from typing import Any
 
 WEB = Path(__file__).parent / "web"
 
-PURE_MODULES = ("decode.js", "format.js", "colour.js", "world.js", "episodes.js", "simulation.js", "dataset.js", "address.js")
+PURE_MODULES = (
+    "decode.js",
+    "format.js",
+    "colour.js",
+    "world.js",
+    "episodes.js",
+    "simulation.js",
+    "dataset.js",
+    "address.js",
+)
 """Modules that only compute; each may use those before it."""
 
 VIEW_MODULES = ("svg.js", "map_view.js", "charts.js", "guides.js", "stage.js", "app.js")
@@ -34,7 +44,8 @@ def bundle(modules: Iterable[str] = (*PURE_MODULES, *VIEW_MODULES)) -> str:
     Raises
     ------
     ValueError
-        If two modules declare the same name at their top level, or an import or export is written in another way.
+        If two modules declare the same name at their top level, or an import or export is written in
+        another way.
     """
     sources = []
     for name in modules:

@@ -1,7 +1,7 @@
 """How likely each skill or arm was as the episodes passed.
 
-A learning file holds what was drawn in each episode and how long the episode was. That determines the probabilities,
-so the method's own code is run again on the stored episodes: there is no second version of the rule.
+A learning file holds what was drawn in each episode and how long the episode was. That determines the
+probabilities, so the method's own code is run again on the stored episodes: there is no second version of the rule.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ class Choices:
     Attributes
     ----------
     probabilities : float array, shape (episodes, candidates), or None
-        Probability of each candidate at the beginning of the episode; None if the method draws by a rule of its own.
+        Probability of each candidate at the beginning of the episode; None if the method draws by a rule of
+        its own.
     initial_q : float array, shape (n_states, 4), or None
         Action values that the task started from, None for zero.
     """
@@ -74,7 +75,9 @@ def replay(file: LearningFile) -> Iterator[Choices]:
         If the file's draws are not such as its method makes.
     """
     kind = methods.load(file.method)
-    method = _with_stored_draws(kind)(file.world, Parameters.from_dict(file.parameters), np.random.default_rng(0))
+    method = _with_stored_draws(kind)(
+        file.world, Parameters.from_dict(file.parameters), np.random.default_rng(0)
+    )
     for index, task in enumerate(file.tasks.values()):
         if method.library is not None:
             method.library.skills = [skill for skill in file.library or [] if skill.learned_after < index]
@@ -121,7 +124,7 @@ def _replay_task(
 
 
 def probabilities(method: BaseMethod, kind: type[BaseMethod]) -> np.ndarray | None:
-    """Probability of each candidate in the next episode, None if the method has none or draws by its own rule."""
+    """Probability of each candidate in the next episode, None if there is none or the rule is not known."""
     if isinstance(method, PolicyReuse):
         return method.arm_probabilities()
     if not isinstance(method, PartialTransfer):

@@ -89,7 +89,7 @@ def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     for axes in panels[:, 0]:
         axes.set_ylabel("steps per episode")
     lines, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(lines, labels, loc="outside lower center", ncols=min(len(labels), 5), handlelength=1.6)
+    figure.legend(lines, labels, loc="outside lower center", ncols=5 if columns == 3 else 3, handlelength=1.6)
     return figure
 
 

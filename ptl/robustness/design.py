@@ -60,7 +60,11 @@ class Unknown:
             return self.options[int(share * len(self.options))]
         assert self.low is not None and self.high is not None
         # a whole number owns half a unit on both sides, so that the ends are as likely as the rest
-        low, high = (self.low - 0.5, self.high + 0.5) if self.whole and not self.logarithmic else (self.low, self.high)
+        low, high = (
+            (self.low - 0.5, self.high + 0.5)
+            if self.whole and not self.logarithmic
+            else (self.low, self.high)
+        )
         value = low * (high / low) ** share if self.logarithmic else low + share * (high - low)
         return int(np.clip(round(value), self.low, self.high)) if self.whole else float(f"{value:.4g}")
 
@@ -134,7 +138,9 @@ def read_study(path: str | Path) -> Study:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise UserError(f"{path}: cannot be read as YAML ({str(error).splitlines()[0]}); correct the file") from error
+        raise UserError(
+            f"{path}: cannot be read as YAML ({str(error).splitlines()[0]}); correct the file"
+        ) from error
     try:
         return study_from(content)
     except UserError as error:
@@ -168,7 +174,9 @@ def _unknown(key: str, entry: Any) -> Unknown:
     _only(entry, UNKNOWN_KEYS, f"unknowns.{key}")
     group, dot, name = key.partition(".")
     if not (group and dot and name):
-        raise UserError(f"key unknowns.{key}: is not of the form group.key; name a hyper-parameter or a change of map")
+        raise UserError(
+            f"key unknowns.{key}: is not of the form group.key; name a hyper-parameter or a change of map"
+        )
     values = tuple(entry.get("values", ()))
     options = tuple(entry.get("options", ()))
     scale = entry.get("scale", "linear")
@@ -207,7 +215,9 @@ def _only(given: Any, known: Sequence[str], where: str) -> None:
 def _whole(given: Mapping[str, Any], key: str, least: int, prefix: str = "") -> int:
     value = given.get(key)
     if type(value) is not int or value < least:
-        raise UserError(f"key {prefix}{key}: {value!r} is not allowed; give a whole number of at least {least}")
+        raise UserError(
+            f"key {prefix}{key}: {value!r} is not allowed; give a whole number of at least {least}"
+        )
     return value
 
 
@@ -235,7 +245,9 @@ def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[st
         elif group in environments:
             environments[group]["changes"][name] = value
         else:
-            raise UserError(f"unknowns.{key}: environment {group} is not in this run ({', '.join(environments)})")
+            raise UserError(
+                f"unknowns.{key}: environment {group} is not in this run ({', '.join(environments)})"
+            )
     return {
         "setting": setting.name,
         "group": setting.group,

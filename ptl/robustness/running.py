@@ -65,14 +65,18 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
         _grow(raw, job, parameters)
     except Exception as error:  # a setting that fails is a result of the study, not the end of it
         traceback.print_exc(file=sys.stderr)
-        raw.remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
+        raw.remarks.append(
+            f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
+        )
     origin = {
         "setting": job["setting"],
         "root_seed": job["root_seed"],
         "job": dict(job),
         "maps": {name: world.text for name, world in raw.worlds.items()},
         "status": "; ".join(raw.remarks) or COMPLETE,
-        "code": code_digest("ptl.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]),
+        "code": code_digest(
+            "ptl.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]
+        ),
     }
     write_arrays(output, FORMAT, raw.arrays, origin)
 
@@ -99,11 +103,18 @@ def _learn(
 def _arrays(lives: list[Life]) -> Iterator[tuple[str, np.ndarray]]:
     yield "seeds", np.arange(len(lives), dtype=np.int64)
     yield "steps", np.array([[record.steps for record in life.records] for life in lives], dtype=np.int64)
-    yield "truncated", np.array(
-        [[np.count_nonzero(record.truncated) for record in life.records] for life in lives], dtype=np.int64
+    yield (
+        "truncated",
+        np.array(
+            [[np.count_nonzero(record.truncated) for record in life.records] for life in lives],
+            dtype=np.int64,
+        ),
     )
     if lives[0].library is not None:
-        yield "subgoal", np.array([[r.update.subgoal for r in life.records] for life in lives], dtype=np.int32)
+        yield (
+            "subgoal",
+            np.array([[r.update.subgoal for r in life.records] for life in lives], dtype=np.int32),
+        )
         yield "reason", np.array([[r.update.reason.encode() for r in life.records] for life in lives])
         yield "novelty", np.array([[r.discovery.novelty for r in life.records] for life in lives])
         for kind in ("incremental", "original"):
@@ -123,9 +134,13 @@ def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:
     sizes = []
     for run in range(job["growth"]["runs"]):
         names = (STREAM, job["setting"], "growth", environment, run)
-        tasks = random_tasks(world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks"))
+        tasks = random_tasks(
+            world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks")
+        )
         life = learn_life(world, tasks, GROWTH_METHOD, parameters, job["root_seed"], *names)
-        sizes.append(np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])]))
+        sizes.append(
+            np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])])
+        )
     raw.arrays["growth/library_size"] = np.array(sizes, dtype=np.int64)
 
 

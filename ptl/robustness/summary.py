@@ -4,31 +4,94 @@ Two readings (both ours):
 
 * *One at a time*: a claim hangs on an unknown if moving that unknown alone changes the verdict that most replicates of
   the reference setting give. Replicates that differ among themselves show how far chance alone moves a verdict.
-* *Latin hypercube*: the rank association of the verdict (not 0, partly 1/2, reproduced 1) with each unknown when all
-  move at once: Spearman's coefficient where the unknown is a number; where it is one of several options, the square root
-  of H / (n - 1) of the Kruskal-Wallis test, which lies between 0 and 1 and has no sign.
+* *Latin hypercube*: the rank association of the claim's score with each unknown when all move at once: Spearman's
+  coefficient where the unknown is a number; where it is one of several options, the square root of H / (n - 1) of the
+  Kruskal-Wallis test, which lies between 0 and 1 and has no sign.
+
+The score of a claim in a setting is the share of its parts that hold: 1 if it is reproduced, 0 if it is not, between if
+partly; undecided has none.
 """
 
 from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy import stats
 
+from ptl.errors import UserError
 from ptl.robustness.design import GROUPS, LATIN_HYPERCUBE, ONE_AT_A_TIME, REFERENCE, Unknown
 
 REPRODUCED, PARTLY, NOT, UNDECIDED = "reproduced", "partly reproduced", "not reproduced", "undecided"
-SCORES = {REPRODUCED: 1.0, PARTLY: 0.5, NOT: 0.0, UNDECIDED: np.nan}
-"""Verdicts in order, for ranks; an undecided one has none."""
+VERDICTS = (REPRODUCED, PARTLY, NOT, UNDECIDED)
+"""From the most favourable on."""
 
 SIGNIFICANT = 0.01
 """Associations with a greater p-value are not named: with about 500 of them, five such are expected by chance."""
 
-VERDICT_COLUMNS = ("setting", "group", "changed", "status", "claim", "verdict")
+VERDICT_COLUMNS = ("setting", "group", "changes", "status", "claim", "verdict", "parts", "parts_holding")
+"""What `ptl.robustness.verdicts.verdict_frame` gives and is used here; changes are JSON."""
+
+
+def read_verdicts(paths: Iterable[str | Path]) -> pd.DataFrame:
+    """The verdicts of all settings, one file each, in the order of the files.
+
+    Raises
+    ------
+    UserError
+        When a file cannot be read or holds something else.
+    """
+    return read_tables(paths, VERDICT_COLUMNS)
+
+
+def read_tables(paths: Iterable[str | Path], columns: Sequence[str] = ("setting",)) -> pd.DataFrame:
+    """CSV files one below the other; files without rows are left out.
+
+    Raises
+    ------
+    UserError
+        When a file cannot be read or lacks one of the columns.
+    """
+    frames = []
+    for path in paths:
+        try:
+            frame = pd.read_csv(path)
+        except (OSError, UnicodeDecodeError, ValueError) as error:
+            raise UserError(
+                f"{path}: cannot be read as CSV ({error}); make it again with 'snakemake {path}'"
+            ) from error
+        for column in columns:
+            if column not in frame:
+                raise UserError(f"{path}: no column {column!r}; make it again with 'snakemake {path}'")
+        frames.append(frame)
+    if not frames:
+        raise UserError("no setting to put together; run 'snakemake robustness'")
+    return pd.concat([frame for frame in frames if len(frame)] or frames[:1], ignore_index=True)
+
+
+def setting_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+    """One row a setting: setting, group, changes (in words), status, truncated, total_steps, and a column an unknown.
+
+    An unknown that the setting leaves as in the run's configuration has an empty cell.
+    """
+    frame = verdicts.drop_duplicates("setting")
+    changes = [json.loads(text) for text in frame["changes"]]
+    rows = frame[["setting", "group", "status", "truncated", "total_steps"]].reset_index(drop=True)
+    rows.insert(2, "changes", [changed_text(change, unknowns) for change in changes])
+    for key in unknowns:
+        rows[key] = [value_text(change[key]) if key in change else "" for change in changes]
+    return rows
+
+
+def scores(verdicts: pd.DataFrame) -> pd.Series:
+    """Share of a claim's parts that hold, NaN where it is undecided."""
+    share = verdicts["parts_holding"] / verdicts["parts"].where(verdicts["parts"] > 0)
+    return share.where(verdicts["verdict"] != UNDECIDED)
 
 
 def changed_text(changes: Mapping[str, object], unknowns: Mapping[str, Unknown]) -> str:
@@ -40,7 +103,13 @@ def value_text(value: object) -> str:
     """A value as it stands in a table."""
     if isinstance(value, list | tuple):
         return f"({', '.join(map(str, value))})"
-    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
+    return (
+        str(value).lower()
+        if isinstance(value, bool)
+        else f"{value:g}"
+        if isinstance(value, float)
+        else str(value)
+    )
 
 
 def most_common(verdicts: pd.Series) -> str:
@@ -51,63 +120,56 @@ def most_common(verdicts: pd.Series) -> str:
 
 
 def reference_verdicts(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """By claim: ``verdict`` (the most common among replicates) and ``agreement``, the share that gives it."""
+    """By claim: ``verdict`` (the most common among replicates), ``agreement`` (share that gives it), mean ``score``."""
     rows = {}
-    for claim, part in verdicts[verdicts["group"] == REFERENCE].groupby("claim", sort=False):
+    replicates = verdicts.assign(score=scores(verdicts))[verdicts["group"] == REFERENCE]
+    for claim, part in replicates.groupby("claim", sort=False):
         verdict = most_common(part["verdict"])
-        rows[claim] = {"verdict": verdict, "agreement": float((part["verdict"] == verdict).mean())}
-    return pd.DataFrame.from_dict(rows, orient="index", columns=["verdict", "agreement"]).rename_axis("claim")
+        agreement = float((part["verdict"] == verdict).mean())
+        rows[claim] = {"verdict": verdict, "agreement": agreement, "score": float(part["score"].mean())}
+    columns = ["verdict", "agreement", "score"]
+    return pd.DataFrame.from_dict(rows, orient="index", columns=columns).rename_axis("claim")
 
 
-def flips(verdicts: pd.DataFrame, settings: pd.DataFrame) -> pd.DataFrame:
-    """One-at-a-time settings whose verdict differs from the reference's.
-
-    Parameters
-    ----------
-    verdicts : DataFrame
-        Columns `VERDICT_COLUMNS`.
-    settings : DataFrame
-        One row a setting: setting, group, changes (JSON).
+def flips(verdicts: pd.DataFrame) -> pd.DataFrame:
+    """One-at-a-time settings whose verdict differs from the reference's; an undecided one tells of no difference.
 
     Returns
     -------
     DataFrame
-        Columns claim, unknown, value (JSON), verdict, change (of the score; NaN if either is undecided).
+        Columns claim, unknown, value (JSON), verdict, change (of the score; NaN if the reference has none).
     """
     reference = reference_verdicts(verdicts)
-    changes = settings.set_index("setting")["changes"].map(json.loads)
     rows = []
-    for row in verdicts[verdicts["group"] == ONE_AT_A_TIME].itertuples():
-        before = reference.loc[row.claim, "verdict"]
-        if row.verdict != before:
-            [(unknown, value)] = changes[row.setting].items()
-            change = SCORES[row.verdict] - SCORES[before]
-            rows.append((row.claim, unknown, json.dumps(value), row.verdict, change))
+    for row in verdicts.assign(score=scores(verdicts))[verdicts["group"] == ONE_AT_A_TIME].itertuples():
+        before = reference.loc[row.claim]
+        if row.verdict not in (before["verdict"], UNDECIDED):
+            [(unknown, value)] = json.loads(row.changes).items()
+            rows.append((row.claim, unknown, json.dumps(value), row.verdict, row.score - before["score"]))
     return pd.DataFrame(rows, columns=["claim", "unknown", "value", "verdict", "change"])
 
 
-def associations(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
-    """Rank association of every claim's verdict with every unknown over the Latin hypercube.
+def associations(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+    """Rank association of every claim's score with every unknown over the Latin hypercube.
 
     Returns
     -------
     DataFrame
         Columns claim, unknown, association, signed (whether its sign means anything), p_value, n (decided settings).
-        A claim whose verdict never changes is associated with nothing: 0, p-value 1.
+        A claim whose score never changes is associated with nothing: 0, p-value 1.
     """
-    changes = settings.set_index("setting")["changes"].map(json.loads)
     rows = []
-    for claim, part in verdicts[verdicts["group"] == LATIN_HYPERCUBE].groupby("claim", sort=False):
-        score = part["verdict"].map(SCORES)
-        decided = score.notna()
-        values, score = changes[part.loc[decided, "setting"]], score[decided].to_numpy()
+    hypercube = verdicts.assign(score=scores(verdicts))[verdicts["group"] == LATIN_HYPERCUBE]
+    for claim, part in hypercube.groupby("claim", sort=False):
+        decided = part[part["score"].notna()]
+        changes = [json.loads(text) for text in decided["changes"]]
+        score = decided["score"].to_numpy()
         for key, unknown in unknowns.items():
-            column = [value[key] for value in values if key in value]
-            if len(column) < len(score) or not column:
-                continue
-            signed = not unknown.options
-            association, p_value = _association(column, score, signed)
-            rows.append((claim, key, association, signed, p_value, len(score)))
+            column = [change[key] for change in changes if key in change]
+            if column and len(column) == len(score):
+                signed = not unknown.options
+                association, p_value = _association(column, score, signed)
+                rows.append((claim, key, association, signed, p_value, len(score)))
     columns = ["claim", "unknown", "association", "signed", "p_value", "n"]
     return pd.DataFrame(rows, columns=columns)
 
@@ -131,41 +193,50 @@ def _association(values: Sequence[object], score: np.ndarray, signed: bool) -> t
     return float(np.sqrt(min(1.0, result.statistic / (len(score) - 1)))), float(result.pvalue)
 
 
-def share_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
     """For every claim the share of settings in which it holds, and what it hangs on.
 
     Returns
     -------
     DataFrame
         Columns claim, reference (verdict of most replicates), agreement; for each group of settings its number, the
-        shares reproduced, partly, not and undecided; flipped_by (unknowns with values, one at a time, greatest change
-        first); associated_with (unknowns of the Latin hypercube with their association, strongest first, p-value below
-        `SIGNIFICANT`); hangs_on (the first of these, see `_hangs_on`).
+        shares with each verdict (``one_at_a_time_reproduced``, ...) and the mean score; flipped_by (unknowns with
+        values, one at a time, greatest change first); associated_with (unknowns of the Latin hypercube with their
+        association, strongest first, p-value below `SIGNIFICANT`); hangs_on (the first of these, see `_hangs_on`).
     """
     reference = reference_verdicts(verdicts)
-    turned = flips(verdicts, settings)
-    related = associations(verdicts, settings, unknowns)
+    turned = flips(verdicts)
+    related = associations(verdicts, unknowns)
     rows = []
-    for claim, part in verdicts.groupby("claim", sort=False):
+    for claim, part in verdicts.assign(score=scores(verdicts)).groupby("claim", sort=False):
         row: dict[str, object] = {"claim": claim}
-        row["reference"], row["agreement"] = reference.loc[claim]
+        row["reference"], row["agreement"] = reference.loc[claim, ["verdict", "agreement"]]
         for group in GROUPS:
-            own = part.loc[part["group"] == group, "verdict"]
+            own = part[part["group"] == group]
             row[f"{group}_settings"] = len(own)
-            for verdict in SCORES:
-                share = float((own == verdict).mean()) if len(own) else np.nan
+            for verdict in VERDICTS:
+                share = float((own["verdict"] == verdict).mean()) if len(own) else np.nan
                 row[f"{group}_{verdict.replace(' ', '_')}"] = share
+            row[f"{group}_score"] = own["score"].mean()
         by_flip = _by_unknown(turned[turned["claim"] == claim])
-        by_rank = related[(related["claim"] == claim) & (related["p_value"] < SIGNIFICANT)]
-        by_rank = by_rank.reindex(by_rank["association"].abs().sort_values(ascending=False, kind="stable").index)
+        by_rank = _strongest(related[related["claim"] == claim])
         row["flipped_by"] = "; ".join(_flip_text(unknowns[key], found) for key, found in by_flip.items())
-        row["associated_with"] = "; ".join(
-            f"{unknowns[item.unknown].symbol} ({item.association:{'+' if item.signed else ''}.2f})"
-            for item in by_rank.itertuples()
+        row["associated_with"] = ", ".join(
+            f"{unknowns[item.unknown].symbol} ({_number(item)})" for item in by_rank.itertuples()
         )
         row["hangs_on"] = _hangs_on(list(by_flip), list(by_rank["unknown"]), unknowns)
         rows.append(row)
     return pd.DataFrame(rows)
+
+
+def _strongest(related: pd.DataFrame) -> pd.DataFrame:
+    """Associations that are more than chance, strongest first."""
+    found = related[related["p_value"] < SIGNIFICANT]
+    return found.reindex(found["association"].abs().sort_values(ascending=False, kind="stable").index)
+
+
+def _number(item: Any) -> str:
+    return f"{item.association:{'+' if item.signed else ''}.2f}".replace("-", "−")
 
 
 def _by_unknown(turned: pd.DataFrame) -> dict[str, pd.DataFrame]:
@@ -175,9 +246,7 @@ def _by_unknown(turned: pd.DataFrame) -> dict[str, pd.DataFrame]:
 
 
 def _flip_text(unknown: Unknown, found: pd.DataFrame) -> str:
-    values = ", ".join(
-        f"{value_text(json.loads(row.value))}: {row.verdict}" for row in found.itertuples()
-    )
+    values = ", ".join(f"{value_text(json.loads(row.value))}: {row.verdict}" for row in found.itertuples())
     return f"{unknown.symbol} ({values})"
 
 
@@ -188,7 +257,7 @@ def _hangs_on(by_flip: list[str], by_rank: list[str], unknowns: Mapping[str, Unk
     return unknowns[chosen[0]].symbol if chosen else ""
 
 
-def unknown_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
+def unknown_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
     """Unknowns ranked by how many claims hang on them.
 
     Returns
@@ -198,14 +267,13 @@ def unknown_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapp
         with a p-value below `SIGNIFICANT`), associated (names with the association), strongest (greatest association);
         ranked by the two numbers together, then by the strongest association.
     """
-    turned = flips(verdicts, settings)
-    related = associations(verdicts, settings, unknowns)
+    turned = flips(verdicts)
+    related = associations(verdicts, unknowns)
     rows = []
     for key, unknown in unknowns.items():
         flipped = list(dict.fromkeys(turned.loc[turned["unknown"] == key, "claim"]))
         own = related[related["unknown"] == key]
-        strong = own[own["p_value"] < SIGNIFICANT]
-        strong = strong.reindex(strong["association"].abs().sort_values(ascending=False, kind="stable").index)
+        strong = _strongest(own)
         rows.append(
             {
                 "unknown": key,
@@ -213,13 +281,13 @@ def unknown_table(verdicts: pd.DataFrame, settings: pd.DataFrame, unknowns: Mapp
                 "claims_flipped": len(flipped),
                 "flipped": ", ".join(flipped),
                 "claims_associated": len(strong),
-                "associated": ", ".join(
-                    f"{row.claim} ({row.association:{'+' if row.signed else ''}.2f})" for row in strong.itertuples()
-                ),
+                "associated": ", ".join(f"{item.claim} ({_number(item)})" for item in strong.itertuples()),
                 "strongest": float(own["association"].abs().max()) if len(own) else np.nan,
             }
         )
     frame = pd.DataFrame(rows)
-    order = frame.assign(total=frame["claims_flipped"] + frame["claims_associated"], top=frame["strongest"].fillna(0))
+    order = frame.assign(
+        total=frame["claims_flipped"] + frame["claims_associated"], top=frame["strongest"].fillna(0)
+    )
     frame = frame.loc[order.sort_values(["total", "top"], ascending=False, kind="stable").index]
     return frame.reset_index(drop=True).rename_axis("rank").reset_index().assign(rank=lambda f: f["rank"] + 1)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,12 +12,14 @@ import numpy as np
 import pandas as pd
 
 from ptl import claims, measures
+from ptl.claims import comparisons
 from ptl.claims.claim import Judgement
-from ptl.evidence import Evidence
+from ptl.claims.verdict import Outcome
+from ptl.evidence import Evidence, Lacking
 from ptl.gridworld import GridWorld
 from ptl.robustness.design import REFERENCE
 from ptl.robustness.running import read_setting
-from ptl.statistics import Resampling, mean, named_generator
+from ptl.statistics import Resampling
 
 NOT_VARIED = {
     "selection-cost": "time of one selection, in which no unknown enters",
@@ -69,7 +71,11 @@ def load_setting(path: str | Path, window: int, threshold_factor: float, how: Re
     per_seed, subgoals, curves = [], [], {}
     for environment, method in runs:
         world = worlds[environment]
-        own = {key.rpartition("/")[2]: value for key, value in arrays.items() if key.startswith(f"{environment}/{method}/")}
+        own = {
+            key.rpartition("/")[2]: value
+            for key, value in arrays.items()
+            if key.startswith(f"{environment}/{method}/")
+        }
         base = arrays.get(f"{environment}/{BASE}/steps")
         for index, letter in enumerate(letters[environment]):
             steps = own["steps"][:, index]
@@ -82,7 +88,9 @@ def load_setting(path: str | Path, window: int, threshold_factor: float, how: Re
             if "subgoal" in own:
                 subgoals.append(_subgoals(own, index, world).assign(**names))
     evidence = Evidence(
-        per_seed=pd.concat(per_seed, ignore_index=True)[list(measures.PER_SEED_COLUMNS)] if per_seed else _nothing(),
+        per_seed=pd.concat(per_seed, ignore_index=True)[list(measures.PER_SEED_COLUMNS)]
+        if per_seed
+        else _nothing(),
         worlds=worlds,
         steps=curves,
         subgoals=pd.concat(subgoals, ignore_index=True)[list(measures.SUBGOAL_COLUMNS)] if subgoals else None,
@@ -135,7 +143,9 @@ def _subgoals(own: Mapping[str, np.ndarray], index: int, world: GridWorld) -> pd
             "incremental_peak": own["incremental_peak"][:, index],
             "original_peak": own["original_peak"][:, index],
         }
-    ).assign(row=lambda f: f["row"].mask(f["subgoal"] < 0), column=lambda f: f["column"].mask(f["subgoal"] < 0))
+    ).assign(
+        row=lambda f: f["row"].mask(f["subgoal"] < 0), column=lambda f: f["column"].mask(f["subgoal"] < 0)
+    )
 
 
 def _growth(sizes: np.ndarray) -> pd.DataFrame:
@@ -162,7 +172,11 @@ def judge(setting: RawSetting) -> list[Judgement]:
 
 
 def verdict_frame(setting: RawSetting) -> pd.DataFrame:
-    """One row a claim: setting, group, changes (JSON), status, truncated, total_steps, claim, verdict, evidence."""
+    """One row a claim.
+
+    Columns setting, group, changes (JSON), status, truncated (episodes), total_steps, claim, verdict, parts (comparisons
+    that the claim is made of), parts_holding, evidence (those comparisons with their intervals).
+    """
     judgements = judge(setting)
     return pd.DataFrame(
         {
@@ -174,6 +188,10 @@ def verdict_frame(setting: RawSetting) -> pd.DataFrame:
             "total_steps": setting.total_steps,
             "claim": [judgement.claim.id for judgement in judgements],
             "verdict": [str(judgement.verdict) for judgement in judgements],
+            "parts": [len(judgement.parts) for judgement in judgements],
+            "parts_holding": [
+                sum(part.outcome is Outcome.HOLDS for part in judgement.parts) for judgement in judgements
+            ],
             "evidence": [
                 "; ".join(map(str, judgement.parts)) if judgement.parts else judgement.reason
                 for judgement in judgements
@@ -184,59 +202,98 @@ def verdict_frame(setting: RawSetting) -> pd.DataFrame:
 
 # -- numbers behind single claims -------------------------------------------------------------------------------------
 
-TARGETS = {
-    "E3-jump": ("env3", ("env3.start", "skills.prior_width", "skills.prior_form", "skills.skill_use")),
-    "E3-few": ("env3", ("policy_reuse.temperature_step", "policy_reuse.psi_decay")),
-}
-"""Claims that were not reproduced at first, their environment, and the unknowns that might be the cause."""
+
+@dataclass(frozen=True)
+class Target:
+    """A claim that the reference setting does not reproduce, and where its cause is looked for.
+
+    Attributes
+    ----------
+    claim, environment : str
+    unknowns : tuple of str
+        Keys of the unknowns that might be the cause.
+    tasks : str or None
+        Letters of the tasks shown; those after the first if None.
+    methods : tuple of str
+        Methods shown, with no transfer beside them.
+    """
+
+    claim: str
+    environment: str
+    unknowns: tuple[str, ...]
+    tasks: str | None
+    methods: tuple[str, ...]
 
 
-def targets_of(setting: RawSetting) -> list[str]:
-    """Claims for which a setting is a targeted experiment; replicates of the reference are one for all of them."""
-    if setting.group == REFERENCE:
-        return list(TARGETS)
-    if len(setting.changes) != 1:
-        return []
-    return [claim for claim, (_, unknowns) in TARGETS.items() if set(setting.changes) <= set(unknowns)]
+PTL_VARIANTS = ("ptl", "ptl_supervised", "ptl_unknown_goal")
+
+TARGETS = (
+    Target(
+        "E3-jump",
+        "env3",
+        ("env3.start", "skills.prior_width", "skills.prior_form", "skills.skill_use", "skills.null_skill"),
+        None,
+        PTL_VARIANTS,
+    ),
+    Target(
+        "E3-few",
+        "env3",
+        ("policy_reuse.temperature_step", "policy_reuse.psi_decay", "env3.start"),
+        "F",
+        ("full_transfer", "policy_reuse", *PTL_VARIANTS),
+    ),
+)
+
+TARGET_COLUMNS = (
+    "claim", "setting", "group", "changes", "environment", "task", "method", "seeds", "first_episode",
+    "base_first_episode", "jump_start_percent", "jump_start_low", "jump_start_high", "episodes", "episodes_low",
+    "episodes_high", "reached", "total_steps",
+)  # fmt: skip
 
 
-def target_frame(setting: RawSetting, methods: Sequence[str], task: str = "F") -> pd.DataFrame:
-    """Jump start, time to threshold and total steps of a targeted setting, one row a claim, task and method.
+def target_frame(setting: RawSetting) -> pd.DataFrame:
+    """What a setting says about the claims of `TARGETS` for which it is an experiment, one row a task and method.
 
-    Jump start is given for every task with something to transfer; columns setting, changes (JSON), claim, environment,
-    task, method, seeds, first_episode, jump_start with its interval, jump_start_percent (of the base's mean),
-    threshold_median (episodes; seeds that never reach it count as later than all), reached (share), total_steps.
+    Columns `TARGET_COLUMNS`: means over seeds; jump start in % of the base's mean first episode, and episodes to the
+    threshold (a run that never reaches it counts with all its episodes), both with bootstrap intervals as in the ledger.
+    No row for a setting that is an experiment for none of the claims.
     """
     rows = []
-    per_seed = setting.evidence.per_seed
-    for claim in targets_of(setting):
-        environment = TARGETS[claim][0]
-        own = per_seed[(per_seed["environment"] == environment) & per_seed["method"].isin(methods)]
-        tasks = sorted(set(own["task"]))[1:] if claim == "E3-jump" else [task]
-        for (letter, method), part in own[own["task"].isin(tasks)].groupby(["task", "method"], sort=False):
-            base = per_seed[
-                (per_seed["environment"] == environment) & (per_seed["task"] == letter) & (per_seed["method"] == BASE)
-            ]
-            names = ("robustness", setting.name, environment, str(letter), str(method))
-            jump = mean(part["jump_start"].to_numpy(float), setting.evidence.how, named_generator(*names, "jump_start"))
-            threshold = part["threshold_episode"].fillna(np.inf)
-            rows.append(
-                {
-                    "setting": setting.name,
-                    "changes": json.dumps(setting.changes),
-                    "claim": claim,
-                    "environment": environment,
-                    "task": letter,
-                    "method": method,
-                    "seeds": len(part),
-                    "first_episode": part["first_episode"].mean(),
-                    "jump_start": jump.value,
-                    "jump_start_low": jump.low,
-                    "jump_start_high": jump.high,
-                    "jump_start_percent": 100 * jump.value / base["first_episode"].mean() if len(base) else np.nan,
-                    "threshold_median": threshold.median() if np.isfinite(threshold.median()) else np.nan,
-                    "reached": part["threshold_episode"].notna().mean(),
-                    "total_steps": part["total_steps"].mean(),
-                }
-            )
-    return pd.DataFrame(rows)
+    for target in TARGETS:
+        single = len(setting.changes) == 1 and set(setting.changes) <= set(target.unknowns)
+        if setting.group != REFERENCE and not single:
+            continue
+        per_seed = setting.evidence.per_seed
+        own = per_seed[per_seed["environment"] == target.environment]
+        for letter in target.tasks or sorted(set(own["task"]))[1:]:
+            for method in target.methods:
+                names = (target.environment, letter, method)
+                try:
+                    numbers = _target_numbers(setting.evidence, *names)
+                except Lacking:
+                    continue  # the status of the setting says why
+                rows.append(
+                    {"claim": target.claim, "setting": setting.name, "group": setting.group,
+                     "changes": json.dumps(setting.changes), "environment": target.environment, "task": letter,
+                     "method": method} | numbers
+                )  # fmt: skip
+    return pd.DataFrame(rows, columns=list(TARGET_COLUMNS))
+
+
+def _target_numbers(evidence: Evidence, environment: str, task: str, method: str) -> dict[str, object]:
+    first, base = evidence.pair((environment, task, method), (environment, task, BASE), "first_episode")
+    saved = comparisons.saved_percent(evidence, environment, task, method, "first_episode")
+    episodes = comparisons.mean_episodes(evidence, environment, task, method)
+    return {
+        "seeds": len(first),
+        "first_episode": first.mean(),
+        "base_first_episode": base.mean(),
+        "jump_start_percent": saved.value,
+        "jump_start_low": saved.low,
+        "jump_start_high": saved.high,
+        "episodes": episodes.value,
+        "episodes_low": episodes.low,
+        "episodes_high": episodes.high,
+        "reached": np.isfinite(evidence.values(environment, task, method, "threshold_episode")).mean(),
+        "total_steps": evidence.values(environment, task, method, "total_steps").mean(),
+    }

@@ -16,8 +16,8 @@ const SKIP_CHUNK = 2_000_000; // steps that "to the end" takes at once
 const WIDE = 4; // maps this many times wider than high stand one above the other
 
 const EXPLANATIONS = {
-  first: "A first episode, drawn anew in your browser by the rules of the run. Nothing is known of the goal yet; colour shows where the steps go.",
-  guided: "The chosen skill (or the likeliest one at the cursor) leads to its subgoal, then the policy learned for this task takes over.",
+  first: "A first episode, drawn anew in your browser by the rules of the run. Nothing is known of the goal yet; colour shows where the steps go. One episode is luck: draw a few.",
+  guided: "The skill or earlier policy chosen below (or the likeliest one at the cursor) leads as far as it can, then the policy learned for this task takes over.",
   greedy: "The policy as it stands after the last episode, without any random action.",
 };
 
@@ -159,7 +159,6 @@ class App {
     board.classList.toggle("wide", columns / rows > WIDE);
     byId("explanation").textContent = EXPLANATIONS[view.mode];
     byId("redraw").hidden = view.mode !== "first";
-    this.showStored();
     this.showSource();
   }
 
@@ -174,15 +173,6 @@ class App {
     const label = (name) => this.environment.task(name, this.view.seed, this.view.task).method.label;
     select.replaceChildren(...methods.map((name) => html("option", { value: name }, label(name))));
     select.value = chosen;
-  }
-
-  showStored() {
-    const stored = this.shown
-      .map(({ task }) => `${task.method.label} ${formatCount(task.steps()[0])}`)
-      .join(", ");
-    byId("stored").textContent =
-      this.view.mode === "first" ? `In the stored run the first episode took (steps): ${stored}. A single episode is luck;` +
-        " draw a few." : "";
   }
 
   showSource() {
@@ -251,7 +241,7 @@ class App {
   showSpeed() {
     const text = `${formatCount(this.speed)} steps per second`;
     byId("speed").setAttribute("aria-valuetext", text);
-    byId("speed-text").textContent = text;
+    byId("speed-text").textContent = `${formatCount(this.speed)} steps/s`;
   }
 
   rewind() {

@@ -13,6 +13,12 @@ export function guideName(task, candidate) {
   return kind === "skills" ? `Skill ${candidate}` : `Policy of ${task.guides[candidate - 1].from}`;
 }
 
+/** The same within a sentence. */
+export function guideInSentence(task, candidate) {
+  const name = guideName(task, candidate);
+  return name[0].toLowerCase() + name.slice(1);
+}
+
 /** Label of a candidate's mark: skills have numbers, earlier policies the letter of their task. */
 export function guideMark(task, candidate) {
   if (candidate === 0) return "";
@@ -75,7 +81,7 @@ export function showChances(list, task, episode) {
 export function describeDraws(task, episode) {
   const drawn = task.drawn()[episode - 1];
   if (!drawn.length) return "";
-  const names = drawn.map((candidate) => guideName(task, candidate).toLowerCase());
+  const names = drawn.map((candidate) => guideInSentence(task, candidate));
   const shown = names.length > 6 ? [...names.slice(0, 6), `and ${names.length - 6} more`] : names;
   return `Episode ${episode} drew ${shown.join(", then ")}.`;
 }

@@ -7,7 +7,7 @@ import { MOVES } from "./world.js";
 const LARGEST_CELL = 34; // CSS pixels
 const ZOOMED_CELL = 18;
 const ARROWS_FROM = 5; // smaller cells show no arrows
-const TRAIL = 160; // steps of the trail
+const TRAIL = 120; // steps of the trail
 
 const FARTHEST = 1000; // steps to the goal at the dark end
 const MOST_VISITS = 1000; // at the bright end

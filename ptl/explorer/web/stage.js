@@ -3,7 +3,7 @@
 import { methodColour, skillColour } from "./colour.js";
 import { greedyEpisode, guidedEpisode } from "./episodes.js";
 import { formatCount, formatNumber } from "./format.js";
-import { describeDraws, fillGuides, guideMark, guideName, likeliestGuide, showChances } from "./guides.js";
+import { describeDraws, fillGuides, guideInSentence, guideMark, likeliestGuide, showChances } from "./guides.js";
 import { drawChances } from "./charts.js";
 import { MapView, describeCell, layerScale, mapAsText } from "./map_view.js";
 import { FirstEpisode, randomNumbers } from "./simulation.js";
@@ -210,7 +210,7 @@ export class Stage {
   describeStart() {
     const { task } = this;
     if (this.mode === "guided") {
-      return `Ready: ${guideName(task, this.leader).toLowerCase()}, then the learned policy.`;
+      return `Ready: ${guideInSentence(task, this.leader)}, then the learned policy.`;
     }
     if (this.mode === "greedy") {
       return this.settings.mode === "first"
@@ -224,11 +224,11 @@ export class Stage {
   describeLead() {
     const { playing, task } = this;
     if (playing instanceof KnownEpisode) {
-      return playing.steps < playing.guided ? `, led by ${guideName(task, this.leader).toLowerCase()}` : "";
+      return playing.steps < playing.guided ? `, led by ${guideInSentence(task, this.leader)}` : "";
     }
     const drawn = playing.drawn;
     if (!drawn.length) return ", exploring";
-    const name = guideName(task, drawn[drawn.length - 1]).toLowerCase();
+    const name = guideInSentence(task, drawn[drawn.length - 1]);
     return playing.guide ? `, led by ${name}` : `, exploring after ${name}`;
   }
 

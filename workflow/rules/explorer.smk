@@ -1,0 +1,44 @@
+# The page in which the learning of some seeds can be watched; complete in itself.
+
+from ptl.explorer.page import source_digest
+
+# A few seeds show how much runs differ; all of them would make the page ten times as large.
+EXPLORER_SEEDS = list(SEEDS)[:3]
+
+
+rule build_explorer:
+    input:
+        expand(
+            RESULTS + "/learning/{environment}/{method}/seed_{seed:03d}.h5",
+            environment=ENVIRONMENTS,
+            method=METHODS,
+            seed=EXPLORER_SEEDS,
+        ),
+    output:
+        report(
+            REPORTS + "/explorer.html",
+            caption="../report/explorer.rst",
+            category="4 Explorer",
+            labels={
+                "item": "Explorer",
+                "shows": "values, policies, skills and episodes, to play with",
+            },
+        ),
+    log:
+        "logs/" + RESULTS + "/explorer.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        titles=titles_option(),
+        code=code_digest("ptl.commands.explorer"),
+        labels=code_digest(*[f"ptl.methods.{method}" for method in METHODS]),
+        page=source_digest(),
+    message:
+        "Building the explorer {output}"
+    shell:
+        PTL + " explorer {input:q} --output {output:q} {params.titles} 2> {log:q}"
+
+
+rule explorer:
+    input:
+        rules.build_explorer.output,

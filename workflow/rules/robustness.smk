@@ -1,0 +1,142 @@
+# The robustness study: one job per setting, the same verdicts as the main run's, and what they hang on.
+# Not part of `rule all`; `snakemake -j2 robustness` makes it.
+
+from functools import cache
+
+from ptl.robustness.design import job_of, read_study
+
+STUDY = config.get("robustness", {}).get("study", "config/robustness.yaml")
+ROBUSTNESS = RESULTS + "/robustness"
+ROBUSTNESS_REPORT = REPORTS + "/robustness"
+
+
+@cache
+def robustness_jobs():
+    """The job of every setting by name; read only when the study is asked for."""
+    try:
+        study = read_study(STUDY)
+        return {
+            setting.name: job_of(setting, study, config) for setting in study.settings()
+        }
+    except UserError as error:
+        refuse(error)
+
+
+rule learn_setting:
+    input:
+        [environment["map"] for environment in config["environments"].values()],
+    output:
+        ROBUSTNESS + "/{setting}.h5",
+    log:
+        "logs/" + ROBUSTNESS + "/{setting}.log",
+    wildcard_constraints:
+        setting="[a-z0-9_.]+",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        job=lambda wildcards: json.dumps(
+            robustness_jobs()[wildcards.setting], sort_keys=True
+        ),
+        code=code_digest(
+            "ptl.robustness.running", *[f"ptl.methods.{method}" for method in METHODS]
+        ),
+    message:
+        "Learning the setting {wildcards.setting} of the robustness study"
+    shell:
+        PTL + " robustness learn --job {params.job:q} --output {output:q} 2> {log:q}"
+
+
+rule judge_setting:
+    input:
+        ROBUSTNESS + "/{setting}.h5",
+    output:
+        verdicts=ROBUSTNESS + "/{setting}.verdicts.csv",
+        targets=ROBUSTNESS + "/{setting}.targets.csv",
+    log:
+        "logs/" + ROBUSTNESS + "/{setting}.judge.log",
+    wildcard_constraints:
+        setting="[a-z0-9_.]+",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        options=f"--window {config['measures']['window']}"
+        f" --threshold-factor {config['measures']['threshold_factor']}"
+        f" --confidence {config['statistics']['confidence']}"
+        f" --resamples {config['statistics']['resamples']}",
+        code=code_digest("ptl.robustness.verdicts"),
+    message:
+        "Judging the claims in the setting {wildcards.setting}"
+    shell:
+        PTL
+        + " robustness judge {input:q} {params.options} --output-verdicts {output.verdicts:q}"
+        " --output-targets {output.targets:q} 2> {log:q}"
+
+
+rule report_robustness:
+    input:
+        study=STUDY,
+        verdicts=lambda wildcards: [
+            f"{ROBUSTNESS}/{name}.verdicts.csv" for name in robustness_jobs()
+        ],
+        targets=lambda wildcards: [
+            f"{ROBUSTNESS}/{name}.targets.csv" for name in robustness_jobs()
+        ],
+    output:
+        png=report(
+            ROBUSTNESS_REPORT + "/heat_map.png",
+            caption="../report/robustness.rst",
+            category="5 Robustness",
+            labels={"item": "Robustness", "shows": "every claim in every setting"},
+        ),
+        twins=multiext(ROBUSTNESS_REPORT + "/heat_map", ".svg", ".csv"),
+        share=report(
+            ROBUSTNESS_REPORT + "/share.html",
+            caption="../report/robustness.rst",
+            category="5 Robustness",
+            labels={
+                "item": "Robustness",
+                "shows": "share of settings in which each claim holds",
+            },
+        ),
+        unknowns=report(
+            ROBUSTNESS_REPORT + "/unknowns.html",
+            caption="../report/robustness.rst",
+            category="5 Robustness",
+            labels={"item": "Robustness", "shows": "unknowns ranked"},
+        ),
+        tables=expand(
+            ROBUSTNESS_REPORT + "/{table}",
+            table=[
+                "share.csv",
+                "share.md",
+                "unknowns.csv",
+                "unknowns.md",
+                "verdicts.csv",
+                "settings.csv",
+                "targeted.csv",
+                "targeted.md",
+            ],
+        ),
+    log:
+        "logs/" + ROBUSTNESS + "/report.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        folder=ROBUSTNESS,
+        output=ROBUSTNESS_REPORT,
+        code=code_digest(
+            "ptl.commands.robustness",
+            "ptl.robustness.summary",
+            "ptl.robustness.pages",
+            "ptl.figures.robustness",
+        ),
+    message:
+        "Putting the verdicts of all settings together"
+    shell:
+        PTL
+        + " robustness report {params.folder:q} --study {input.study:q} --output-folder {params.output:q} 2> {log:q}"
+
+
+rule robustness:
+    input:
+        rules.report_robustness.output,
