@@ -19,6 +19,9 @@ include: "workflow/rules/subgoal_frequencies.smk"
 include: "workflow/rules/measures.smk"
 include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/claims.smk"
+include: "workflow/rules/fernandez_veloso.smk"
+include: "workflow/rules/products.smk"
 
 
 localrules:
@@ -28,10 +31,15 @@ localrules:
     subgoal_frequencies,
     tables,
     figures,
+    claims,
 
 
 rule all:
     default_target: True
     input:
-        rules.tabulate.output,
+        rules.tables.input,
         rules.figures.input,
+        rules.claims.input,
+        rules.report_fv.output,
+        rules.front_page.output,
+        rules.manifest.output,

@@ -18,6 +18,7 @@ import pytest
 import yaml
 
 import ptl
+from ptl.claims import ledger
 from ptl.cli import commands
 from ptl.configuration_docs import document, document_file
 from ptl.errors import UserError
@@ -297,6 +298,12 @@ def test_examples_of_the_format_page_run(
 def test_csv_columns_are_those_of_the_page(small_run: Path, name: str) -> None:
     frame = pd.read_csv(small_run / "reports/published/tables" / name)
     assert set(frame.columns) == first_column(section("docs/file-format.md", name))
+
+
+def test_columns_of_the_verdicts_are_those_of_the_page() -> None:
+    page = "docs/file-format.md"
+    assert set(ledger.COLUMNS) == first_column(section(page, "claims.csv"))
+    assert set(ledger.PART_COLUMNS) == first_column(section(page, "claims_parts.csv"))
 
 
 def test_hdf5_names_are_those_of_the_page(small_run: Path) -> None:

@@ -9,15 +9,30 @@ import click
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option(
+    "--against", type=click.Path(dir_okay=False, path_type=Path), help="Compare report folders with this manifest."
+)
 @click.option("--any-code", is_flag=True, help="Accept files made by another version of the code.")
-def command(paths: tuple[Path, ...], any_code: bool) -> None:
+def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> None:
     """Check HDF5 files, or all of them below folders: checksum, place, invariants, version of the code.
+
+    With --against, check instead that every product in the report folders PATHS equals the one in the manifest,
+    apart from measured times.
 
     Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
     """
     from ptl.errors import UserError
+    from ptl.manifest import differences
     from ptl.verification import faults_of
 
+    if against is not None:
+        lines = [line for folder in paths for line in differences(folder, against)]
+        for line in lines:
+            click.echo(line)
+        if lines:
+            raise UserError(f"{len(lines)} products differ from {against}")
+        click.echo(f"all products equal those of {against}")
+        return
     files: list[Path] = []
     for path in paths:
         if path.is_dir():
