@@ -6,7 +6,7 @@
 
 from snakemake.utils import min_version, validate
 
-min_version("9.13")
+min_version("9.27")
 
 
 configfile: "config/config.yaml"

@@ -1,7 +1,8 @@
 """HDF5 files of plain arrays with their origin and a checksum: raw data of the side studies.
 
-The files of learning, growth and survey jobs have a room of their own (`ptl.store`); the rules are the same here: equal
-runs give equal bytes, a file holds what is needed to rerun it, and ``content`` is a sha256 over all the rest.
+The files of learning, growth and survey jobs have a room of their own (`ptl.store`); the rules are the same
+here: equal runs give equal bytes, a file holds what is needed to rerun it, and ``content`` is a sha256 over
+all the rest.
 """
 
 from __future__ import annotations

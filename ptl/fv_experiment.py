@@ -1,15 +1,15 @@
 """The experiment of Fernandez and Veloso (FV), to show that policy reuse is implemented as they meant it.
 
-Their setting (source: FV 2006, 2013): the map of environment 3, start cells drawn at random, trials of at most 100
-steps, 2000 trials, and a library of policies of tasks 1 to 5 (goals A to E here) while task Omega (goal F) is learned.
-What is measured is the gain W: the discounted return gamma**(steps - 1) of a trial, 0 if the goal was not reached,
-averaged over the first k trials.
+Their setting (source: FV 2006, 2013): the map of environment 3, start cells drawn at random, trials of at
+most 100 steps, 2000 trials, and a library of policies of tasks 1 to 5 (goals A to E here) while task Omega
+(goal F) is learned. What is measured is the gain W: the discounted return gamma**(steps - 1) of a trial, 0 if
+the goal was not reached, averaged over the first k trials.
 
-The learner is the very class that the main comparison uses, ``ptl.methods.policy_reuse``. Our choices, where the source
-says nothing that could be used here:
+The learner is the very class that the main comparison uses, ``ptl.methods.policy_reuse``. Our choices, where
+the source says nothing that could be used here:
 
-* The library's policies are learned in the same setting by plain Q-learning (epsilon-greedy, epsilon = 0.1) over 20 000
-  trials each, anew for every seed.
+* The library's policies are learned in the same setting by plain Q-learning (epsilon-greedy, epsilon = 0.1)
+  over 20 000 trials each, anew for every seed.
 * A start is drawn uniformly from the cells other than the goal.
 * Plain Q-learning, shown for comparison, is the method ``no_transfer`` (epsilon-greedy, epsilon = 0.1).
 """
@@ -89,7 +89,7 @@ ARMS = {
 """The curves by name, with the values read off FV's figure."""
 
 
-# -- learning ---------------------------------------------------------------------------------------------------------
+# -- learning ------------------------------------------------------------------------------------------------
 
 
 def learn_gains(
@@ -196,7 +196,7 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
     return float(gain.sum() / (within * gamma ** (distance[starts] - 1.0)).sum())
 
 
-# -- files ------------------------------------------------------------------------------------------------------------
+# -- files ---------------------------------------------------------------------------------------------------
 
 
 def run_job(

@@ -12,15 +12,16 @@ from ptl.pages import Page
 from ptl.statistics import Resampling, mean, named_generator
 
 DIFFERENCES = (
-    "The source's agent moves in continuous space with noise on its position; ours moves from cell to cell without any."
-    " An independent prototype of ours without noise gave 0.22, 0.31 and 0.32 for the three libraries.",
+    "The source's agent moves in continuous space with noise on its position; ours moves from cell to cell"
+    " without any. An independent prototype of ours without noise gave 0.22, 0.31 and 0.32 for the three"
+    " libraries.",
     "Published values are read off a figure of the source (about ±0.01).",
-    "How the source learned the policies of its library is not used here: ours are learned in the same setting by plain"
-    f" Q-learning (epsilon-greedy, ε = 0.1) over {LIBRARY_TRIALS} trials, anew for every seed; their mean gain in their own"
-    " tasks, as a share of the optimum, is in the column “library quality”.",
-    "In states where a past policy's values are all equal (never informed) the new policy acts (our choice).",
+    "The policies of the library are learned in the same setting by plain Q-learning (ε-greedy, ε = 0.1)"
+    f" over {LIBRARY_TRIALS} trials, anew for every seed (our choice); their mean gain in their own tasks, as"
+    " a share of the optimum, is in the column “library quality”.",
+    "Where a past policy's values are all equal (never informed) the new policy acts (our choice).",
     "A start is drawn uniformly from all cells but the goal (our choice).",
-    "Plain Q-learning is our method “no transfer” with ε = 0.1, the source's exploration schedules are others.",
+    "Plain Q-learning is our method “no transfer” with ε = 0.1; the source's explores by other schedules.",
 )
 """Known differences from the source, printed under figure and table."""
 
@@ -28,8 +29,8 @@ DIFFERENCES = (
 def gain_table(gains: Iterable[Gains], how: Resampling) -> pd.DataFrame:
     """Mean gain over all trials, one row an arm.
 
-    Columns arm, library, trials, seeds, gain, ci_low, ci_high, std, published, difference, library_quality (mean over
-    seeds and policies).
+    Columns arm, library, trials, seeds, gain, ci_low, ci_high, std, published, difference, library_quality
+    (mean over seeds and policies).
     """
     rows = []
     for item in gains:
@@ -65,9 +66,9 @@ def gain_page(table: pd.DataFrame, confidence: float) -> Page:
     first = table.iloc[0]
     return Page(
         "Policy reuse in the experiment of Fernandez and Veloso",
-        f"Mean gain W over {first['trials']} trials on their task Ω (goal {NEW_TASK} of environment 3), mean of"
-        f" {first['seeds']} seeds; random starts, at most {MAX_STEPS} steps a trial. The learner is the one of the main"
-        " comparison.",
+        f"Mean gain W over {first['trials']} trials on their task Ω (goal {NEW_TASK} of environment 3),"
+        f" mean of {first['seeds']} seeds; random starts, at most {MAX_STEPS} steps a trial. The learner is the one"
+        " of the main comparison.",
         ("library", "gain", f"{100 * confidence:g} % interval", "published", "library quality"),
         rows,
         ("Known differences from the source:", *DIFFERENCES),

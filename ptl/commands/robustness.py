@@ -83,7 +83,7 @@ def judge(
 @click.option("--output-folder", required=True, type=click.Path(file_okay=False, path_type=Path),
               help="Folder for the tables and the heat map.")  # fmt: skip
 def report(folder: Path, study: Path, output_folder: Path) -> None:
-    """Put the verdicts of all settings in FOLDER together: shares, ranks, targeted numbers and the heat map."""
+    """Put the verdicts of all settings in FOLDER together: shares, ranks, targeted numbers, heat map."""
     from ptl.figures import robustness as figure
     from ptl.figures import style
     from ptl.files import write_csv, write_text

@@ -9,8 +9,8 @@ The data set is a dictionary that JSON can hold; arrays are packed as `ptl.explo
                   guides: "skills", "policies" (of earlier tasks) or "none"
                   episode: how its first episode goes: "explore", "skills", "reuse" or "unknown"
 
-``runs`` holds for "method/seed" a dictionary {skills, tasks}; a skill is {subgoal, after (index of the task that
-taught it), policy (actions)} and a task
+``runs`` holds for "method/seed" a dictionary {skills, tasks}; a skill is {subgoal, after (index of the task
+that taught it), policy (actions)} and a task
 
     name, start, goal, subgoal (-1 if none was added), reason
     steps         varints, one an episode
@@ -19,7 +19,7 @@ taught it), policy (actions)} and a task
     policy        actions, greedy in that Q, first of equal ones
     metric        shares: the metric by which the next subgoal was sought, one a state
     drawn         varints: for each episode the number of draws and then the draws (0 is no guidance)
-    chances       shares, row by row (episodes, candidates); null if the method draws by a rule of its own
+    chances       share rows (episodes, candidates); null if the method draws by a rule of its own
     initial       logarithms of the Q that the task started from (states, 4), null for zero
 """
 
@@ -155,7 +155,7 @@ def _task(task: TaskView, choice: Choices) -> dict[str, Any]:
         "policy": encoding.actions(greedy_policy(q)),
         "metric": encoding.shares(task.incremental),
         "drawn": encoding.varints(_counted(task)),
-        "chances": None if choice.probabilities is None else encoding.shares(choice.probabilities),
+        "chances": None if choice.probabilities is None else encoding.share_rows(choice.probabilities),
         "initial": None if choice.initial_q is None else encoding.logarithms(choice.initial_q),
     }
 

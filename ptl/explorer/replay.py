@@ -1,7 +1,7 @@
 """How likely each skill or arm was as the episodes passed.
 
 A learning file holds what was drawn in each episode and how long the episode was. That determines the
-probabilities, so the method's own code is run again on the stored episodes: there is no second version of the rule.
+probabilities, so the method's own code is run again on the stored episodes; there is no second version of it.
 """
 
 from __future__ import annotations

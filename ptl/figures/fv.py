@@ -1,4 +1,4 @@
-"""The experiment of Fernandez and Veloso: mean gain against trials, beside the values read off their figure."""
+"""The experiment of Fernandez and Veloso: mean gain against trials, beside the values of their figure."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ POINTS = 400
 def gain_frame(gains: Sequence[Gains], confidence: float = 0.95) -> pd.DataFrame:
     """The plotted numbers.
 
-    Columns arm, library, trials (k), gain (mean over seeds of the mean gain over the first k trials), ci_low, ci_high,
-    seeds, published (at the last trial only), confidence.
+    Columns arm, library, trials (k), gain (mean over seeds of the mean gain over the first k trials), ci_low,
+    ci_high, seeds, published (at the last trial only), confidence.
     """
     parts = []
     for item in gains:
@@ -68,8 +68,16 @@ def draw(frame: pd.DataFrame) -> Figure:
         axes.plot(part["trials"], part["gain"], color=colour)
         end = part.iloc[-1]
         if np.isfinite(end["published"]):
-            axes.plot(last, end["published"], "D", color=colour, markersize=11, clip_on=False, markeredgecolor="white",
-                      zorder=4)  # fmt: skip
+            axes.plot(
+                last,
+                end["published"],
+                "D",
+                color=colour,
+                markersize=11,
+                clip_on=False,
+                markeredgecolor="white",
+                zorder=4,
+            )
         ends.append((end, colour))
     top = 1.12 * float(np.nanmax(frame[["gain", "ci_high", "published"]].to_numpy()))
     _label_ends(axes, ends, last, top)
@@ -101,7 +109,15 @@ def _label_ends(axes, ends: list, last: float, top: float) -> None:
         if np.isfinite(end["published"]):
             text += f" (published {end['published']:.3g})"
         axes.annotate(
-            text, (last, float(end["gain"])), (last * 1.035, place), textcoords="data", color=colour, va="center",
-            fontsize=14, annotation_clip=False, fontweight="bold", linespacing=1.25,
+            text,
+            (last, float(end["gain"])),
+            (last * 1.035, place),
+            textcoords="data",
+            color=colour,
+            va="center",
+            fontsize=14,
+            annotation_clip=False,
+            fontweight="bold",
+            linespacing=1.25,
             arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 1, "shrinkA": 2, "shrinkB": 8},
-        )  # fmt: skip
+        )

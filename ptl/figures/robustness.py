@@ -27,7 +27,8 @@ COLOURS = {REPRODUCED: "#0f7f8c", PARTLY: "#a9d5d3", NOT: "#c2571a", UNDECIDED: 
 def heat_frame(verdicts: pd.DataFrame) -> pd.DataFrame:
     """The plotted numbers: column (from 0), setting, group, unknown, value, claim, verdict, score.
 
-    Settings stand in the order of the study; those of the Latin hypercube by their mean score, the best first.
+    Settings stand in the order of the study; those of the Latin hypercube by their mean score, the best
+    first.
     """
     frame = verdicts.assign(score=scores(verdicts))
     order = {group: list(dict.fromkeys(frame.loc[frame["group"] == group, "setting"])) for group in GROUPS}
@@ -35,8 +36,10 @@ def heat_frame(verdicts: pd.DataFrame) -> pd.DataFrame:
     order[LATIN_HYPERCUBE].sort(key=lambda setting: -np.nan_to_num(mean[setting]))
     place = {setting: index for index, setting in enumerate(chain.from_iterable(order.values()))}
     single = frame["group"] == ONE_AT_A_TIME
-    changes = [next(iter(json.loads(text).items())) if one else ("", "") for text, one in
-               zip(frame["changes"], single, strict=True)]  # fmt: skip
+    changes = [
+        next(iter(json.loads(text).items())) if one else ("", "")
+        for text, one in zip(frame["changes"], single, strict=True)
+    ]
     frame = frame.assign(
         column=frame["setting"].map(place),
         unknown=[key for key, _ in changes],
@@ -48,7 +51,7 @@ def heat_frame(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 @style.styled
 def draw(frame: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> Figure:
-    """Claims by settings; one panel for each group of settings, in the middle with the unknowns' names below."""
+    """Claims by settings; one panel for each group of settings, names of the unknowns below the middle one."""
     claims = list(dict.fromkeys(frame["claim"]))
     panels = [(group, frame[frame["group"] == group]) for group in GROUPS]
     panels = [(group, part) for group, part in panels if len(part)]
@@ -72,8 +75,12 @@ def draw(frame: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> Figure:
     shown = [verdict for verdict in VERDICTS if (frame["verdict"] == verdict).any()]
     figure.legend(
         handles=[Patch(facecolor=COLOURS[verdict], label=verdict) for verdict in shown],
-        loc="outside upper center", ncols=len(shown), fontsize=14, handlelength=1.2, handleheight=1.2,
-    )  # fmt: skip
+        loc="outside upper center",
+        ncols=len(shown),
+        fontsize=14,
+        handlelength=1.2,
+        handleheight=1.2,
+    )
     return figure
 
 
@@ -81,8 +88,14 @@ def _panel(ax: Axes, part: pd.DataFrame, claims: list[str]) -> None:
     settings = list(dict.fromkeys(part["setting"]))
     table = part.pivot(index="claim", columns="setting", values="verdict").loc[claims, settings]
     codes = table.map(VERDICTS.index).to_numpy()
-    ax.imshow(codes, cmap=ListedColormap([COLOURS[verdict] for verdict in VERDICTS]), vmin=0, vmax=len(VERDICTS) - 1,
-              aspect="auto", interpolation="nearest")  # fmt: skip
+    ax.imshow(
+        codes,
+        cmap=ListedColormap([COLOURS[verdict] for verdict in VERDICTS]),
+        vmin=0,
+        vmax=len(VERDICTS) - 1,
+        aspect="auto",
+        interpolation="nearest",
+    )
     ax.grid(False)
     ax.set_yticks(np.arange(len(claims) + 1) - 0.5, minor=True)
     ax.grid(axis="y", which="minor", color="white", linewidth=1.4)
@@ -109,5 +122,14 @@ def _shares(ax: Axes, part: pd.DataFrame, claims: list[str]) -> None:
     twin.set_yticks(range(len(claims)), [f"{share[claim]:.0%}" for claim in claims], fontsize=11.5)
     twin.tick_params(length=0)
     twin.spines["right"].set_visible(False)
-    ax.annotate("repro-\nduced", (1, 0), (4, -4), xycoords="axes fraction", textcoords="offset points", fontsize=10.5,
-                va="top", color=style.MUTED, annotation_clip=False)  # fmt: skip
+    ax.annotate(
+        "repro-\nduced",
+        (1, 0),
+        (4, -4),
+        xycoords="axes fraction",
+        textcoords="offset points",
+        fontsize=10.5,
+        va="top",
+        color=style.MUTED,
+        annotation_clip=False,
+    )

@@ -1,7 +1,7 @@
 """From config/robustness.yaml to the settings of the study.
 
 Three groups of settings: ``reference`` (replicates of the run's own configuration with other random numbers),
-``one_at_a_time`` (a single unknown moved to each of its values) and ``latin_hypercube`` (all unknowns at once).
+``one_at_a_time`` (a single unknown moved to each of its values) and ``latin_hypercube`` (all at once).
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ class Unknown:
     Attributes
     ----------
     key : str
-        ``group.key`` of a hyper-parameter, or ``environment.kind`` of a change of map (`ptl.robustness.worlds`).
+        ``group.key`` of a hyper-parameter, or ``environment.kind`` of a change of map
+        (`ptl.robustness.worlds`).
     symbol : str
         How tables and figures call it.
     values : tuple
@@ -123,7 +124,7 @@ def _file_part(value: Any) -> str:
     return "_".join(str(part).lower() for part in parts)
 
 
-# -- reading ----------------------------------------------------------------------------------------------------------
+# -- reading -------------------------------------------------------------------------------------------------
 
 
 def read_study(path: str | Path) -> Study:
@@ -221,7 +222,7 @@ def _whole(given: Mapping[str, Any], key: str, least: int, prefix: str = "") -> 
     return value
 
 
-# -- jobs -------------------------------------------------------------------------------------------------------------
+# -- jobs ----------------------------------------------------------------------------------------------------
 
 
 def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[str, Any]:

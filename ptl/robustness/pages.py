@@ -34,21 +34,23 @@ def share_page(shares: pd.DataFrame, settings: pd.DataFrame) -> Page:
         rows.append(cells)
     return Page(
         "Robustness of the verdicts",
-        f"Share of settings in which each claim is reproduced / partly reproduced / not reproduced (what is missing to"
-        f" 100 % is undecided), and the unknown on which it hangs most. {numbers[REFERENCE]} replicates of the reference"
-        f" setting, {numbers[ONE_AT_A_TIME]} settings with one unknown moved, {numbers[LATIN_HYPERCUBE]} with all moved"
-        " (Latin hypercube).",
+        "Share of settings in which each claim is reproduced / partly reproduced / not reproduced (what is"
+        " missing to 100 % is undecided), and the unknown on which it hangs most. Replicates of the reference"
+        f" setting: {numbers[REFERENCE]}; settings with one unknown moved: {numbers[ONE_AT_A_TIME]}; with all"
+        f" moved at once, on a Latin hypercube: {numbers[LATIN_HYPERCUBE]}.",
         ("claim", "reference", "one at a time", "all at once", "hangs most on", "flipped by (one at a time)",
          "associated with (all at once)"),
         rows,
         (
-            "Reference: the verdict of most replicates and the share of them that agree; the rest shows how far chance"
-            " alone moves a verdict at this number of seeds.",
-            "Flipped by: unknowns that change the verdict when moved alone, greatest change of the share of holding"
-            " parts first.",
-            "Associated with: Spearman's coefficient of the share of holding parts with the unknown, or the square root"
-            f" of H / (n − 1) of Kruskal and Wallis for options (no sign); only p < {SIGNIFICANT:g}.",
-            "Hangs most on: an unknown that both name, else the strongest association, else the greatest flip.",
+            "Reference: the verdict of most replicates and the share of them that agree; the rest shows how"
+            " far chance alone moves a verdict at this number of seeds.",
+            "Flipped by: unknowns that change the verdict when moved alone, greatest change of the share of"
+            " holding parts first.",
+            "Associated with: Spearman's coefficient of the share of holding parts with the unknown, or the"
+            " square root of H / (n − 1) of Kruskal and Wallis for options (no sign); only"
+            f" p < {SIGNIFICANT:g}.",
+            "Hangs most on: an unknown that both name, else the strongest association, else the greatest"
+            " flip. A flip of a claim whose replicates disagree may be chance.",
             *(f"Left out: {claim} ({reason})." for claim, reason in NOT_VARIED.items()),
             *unfinished_notes(settings),
         ),
@@ -64,8 +66,8 @@ def unfinished_notes(settings: pd.DataFrame) -> Iterator[str]:
         yield f"{row.setting}: {row.status}."
     truncated = settings[settings["truncated"] > 0]
     yield (
-        f"Episodes truncated at the study's step limit: {int(truncated['truncated'].sum())}, in {len(truncated)} settings"
-        " (numbers in settings.csv)."
+        f"Episodes truncated at the study's step limit: {int(truncated['truncated'].sum())}, in"
+        f" {len(truncated)} settings (numbers in settings.csv)."
     )
 
 
@@ -84,8 +86,8 @@ def unknown_page(table: pd.DataFrame) -> Page:
     ]
     return Page(
         "What the verdicts hang on",
-        "Unknowns ranked by the number of claims whose verdict they flip when moved alone, and with which they are"
-        " associated when all move at once.",
+        "Unknowns ranked by the number of claims whose verdict they flip when moved alone, and with which they"
+        " are associated when all move at once.",
         ("unknown", "rank", "claims flipped", "which", "claims associated", "which"),
         rows,
         ("Key of each unknown and its values: config/robustness.yaml; numbers: unknowns.csv.",),

@@ -24,7 +24,7 @@ from ptl.robustness.worlds import changed_world
 FORMAT = "ptl-robustness/1"
 
 STREAM = "robustness"
-"""First name of every random stream of the study; the setting's name follows, so no two settings share numbers."""
+"""First name of every random stream of the study; the setting's name after it makes them its own."""
 
 COMPLETE = "complete"
 
@@ -41,8 +41,9 @@ class _Raw:
 def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
     """Learn one setting and write its raw file.
 
-    A method that takes more than ``step_budget`` steps in one environment is given up there: the seeds that it finished
-    are kept, and the file's attribute ``status`` says so. So does it when something fails; the traceback goes to stderr.
+    A method that takes more than ``step_budget`` steps in one environment is given up there: the seeds that
+    it finished are kept, and the file's attribute ``status`` says so. So does it when something fails; the
+    traceback goes to stderr.
 
     Parameters
     ----------
@@ -50,7 +51,8 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
         As `ptl.robustness.design.job_of` makes it.
     output : path
         HDF5 file: ``/<environment>/<method>/`` with ``seeds`` (seeds,), ``steps`` (seeds, tasks, episodes),
-        ``truncated`` (seeds, tasks) and, where a library is kept, what was discovered after each task; ``/growth/``.
+        ``truncated`` (seeds, tasks) and, where a library is kept, what was discovered after each task;
+        ``/growth/``.
     """
     raw = _Raw()
     try:

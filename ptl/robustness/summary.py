@@ -2,14 +2,15 @@
 
 Two readings (both ours):
 
-* *One at a time*: a claim hangs on an unknown if moving that unknown alone changes the verdict that most replicates of
-  the reference setting give. Replicates that differ among themselves show how far chance alone moves a verdict.
-* *Latin hypercube*: the rank association of the claim's score with each unknown when all move at once: Spearman's
-  coefficient where the unknown is a number; where it is one of several options, the square root of H / (n - 1) of the
-  Kruskal-Wallis test, which lies between 0 and 1 and has no sign.
+* *One at a time*: a claim hangs on an unknown if moving that unknown alone changes the verdict that most
+  replicates of the reference setting give. Replicates that differ among themselves show how far chance alone
+  moves a verdict.
+* *Latin hypercube*: the rank association of the claim's score with each unknown when all move at once:
+  Spearman's coefficient where the unknown is a number; where it is one of several options, the square root of
+  H / (n - 1) of the Kruskal-Wallis test, which lies between 0 and 1 and has no sign.
 
-The score of a claim in a setting is the share of its parts that hold: 1 if it is reproduced, 0 if it is not, between if
-partly; undecided has none.
+The score of a claim in a setting is the share of its parts that hold: 1 if it is reproduced, 0 if it is not,
+between if partly; undecided has none.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ VERDICTS = (REPRODUCED, PARTLY, NOT, UNDECIDED)
 """From the most favourable on."""
 
 SIGNIFICANT = 0.01
-"""Associations with a greater p-value are not named: with about 500 of them, five such are expected by chance."""
+"""Associations with a greater p-value are not named; of some 500 by chance alone, five would be."""
 
 VERDICT_COLUMNS = ("setting", "group", "changes", "status", "claim", "verdict", "parts", "parts_holding")
 """What `ptl.robustness.verdicts.verdict_frame` gives and is used here; changes are JSON."""
@@ -75,7 +76,8 @@ def read_tables(paths: Iterable[str | Path], columns: Sequence[str] = ("setting"
 
 
 def setting_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.DataFrame:
-    """One row a setting: setting, group, changes (in words), status, truncated, total_steps, and a column an unknown.
+    """One row a setting: setting, group, changes (in words), status, truncated, total_steps; one column an
+    unknown.
 
     An unknown that the setting leaves as in the run's configuration has an empty cell.
     """
@@ -120,7 +122,7 @@ def most_common(verdicts: pd.Series) -> str:
 
 
 def reference_verdicts(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """By claim: ``verdict`` (the most common among replicates), ``agreement`` (share that gives it), mean ``score``."""
+    """By claim: ``verdict`` (of most replicates), ``agreement`` (share that gives it), mean ``score``."""
     rows = {}
     replicates = verdicts.assign(score=scores(verdicts))[verdicts["group"] == REFERENCE]
     for claim, part in replicates.groupby("claim", sort=False):
@@ -132,7 +134,7 @@ def reference_verdicts(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 
 def flips(verdicts: pd.DataFrame) -> pd.DataFrame:
-    """One-at-a-time settings whose verdict differs from the reference's; an undecided one tells of no difference.
+    """One-at-a-time settings whose verdict differs from the reference's; an undecided one says nothing.
 
     Returns
     -------
@@ -155,8 +157,8 @@ def associations(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.
     Returns
     -------
     DataFrame
-        Columns claim, unknown, association, signed (whether its sign means anything), p_value, n (decided settings).
-        A claim whose score never changes is associated with nothing: 0, p-value 1.
+        Columns claim, unknown, association, signed (whether its sign means anything), p_value, n (decided
+        settings). A claim whose score never changes is associated with nothing: 0, p-value 1.
     """
     rows = []
     hypercube = verdicts.assign(score=scores(verdicts))[verdicts["group"] == LATIN_HYPERCUBE]
@@ -199,10 +201,11 @@ def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.D
     Returns
     -------
     DataFrame
-        Columns claim, reference (verdict of most replicates), agreement; for each group of settings its number, the
-        shares with each verdict (``one_at_a_time_reproduced``, ...) and the mean score; flipped_by (unknowns with
-        values, one at a time, greatest change first); associated_with (unknowns of the Latin hypercube with their
-        association, strongest first, p-value below `SIGNIFICANT`); hangs_on (the first of these, see `_hangs_on`).
+        Columns claim, reference (verdict of most replicates), agreement; for each group of settings its
+        number, the shares with each verdict (``one_at_a_time_reproduced``, ...) and the mean score;
+        flipped_by (unknowns with values, one at a time, greatest change first); associated_with (unknowns of
+        the Latin hypercube with their association, strongest first, p-value below `SIGNIFICANT`); hangs_on
+        (the first of these, see `_hangs_on`).
     """
     reference = reference_verdicts(verdicts)
     turned = flips(verdicts)
@@ -251,7 +254,7 @@ def _flip_text(unknown: Unknown, found: pd.DataFrame) -> str:
 
 
 def _hangs_on(by_flip: list[str], by_rank: list[str], unknowns: Mapping[str, Unknown]) -> str:
-    """The unknown that both readings name, the hypercube's order first; else the hypercube's first, else the flip's."""
+    """The hypercube's first that flips too; else the hypercube's first, else the first flip."""
     both = [key for key in by_rank if key in by_flip]
     chosen = (both or by_rank or by_flip)[:1]
     return unknowns[chosen[0]].symbol if chosen else ""
@@ -263,9 +266,9 @@ def unknown_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd
     Returns
     -------
     DataFrame
-        Columns rank, unknown (key), symbol, claims_flipped (number), flipped (their names), claims_associated (number
-        with a p-value below `SIGNIFICANT`), associated (names with the association), strongest (greatest association);
-        ranked by the two numbers together, then by the strongest association.
+        Columns rank, unknown (key), symbol, claims_flipped (number), flipped (their names), claims_associated
+        (number with a p-value below `SIGNIFICANT`), associated (names with the association), strongest
+        (greatest association); ranked by the two numbers together, then by the strongest association.
     """
     turned = flips(verdicts)
     related = associations(verdicts, unknowns)

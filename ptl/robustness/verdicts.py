@@ -97,23 +97,25 @@ def load_setting(path: str | Path, window: int, threshold_factor: float, how: Re
         growth=_growth(arrays["growth/library_size"]) if "growth/library_size" in arrays else None,
         how=how,
     )
-    steps = [array for name, array in arrays.items() if name.endswith("/steps")]
-    truncated = [array for name, array in arrays.items() if name.endswith("/truncated")]
     return RawSetting(
         job["setting"],
         job["group"],
         job["changes"],
         str(origin["status"]),
         evidence,
-        truncated=int(sum(array.sum() for array in truncated)),
-        total_steps=int(sum(array.sum() for array in steps)),
+        truncated=_total(arrays, "/truncated"),
+        total_steps=_total(arrays, "/steps"),
     )
+
+
+def _total(arrays: Mapping[str, np.ndarray], ending: str) -> int:
+    return sum(int(array.sum()) for name, array in arrays.items() if name.endswith(ending))
 
 
 def _measures(
     steps: np.ndarray, base: np.ndarray | None, shortest: int, window: int, factor: float
 ) -> pd.DataFrame:
-    # a base that was given up has fewer seeds: the comparison is missing where there is nothing to compare with
+    # a base that was given up has fewer seeds: then nothing is compared
     jump = ratio = np.full(len(steps), np.nan)
     if base is not None and len(base) == len(steps):
         jump, ratio = measures.jump_start(steps, base), measures.transfer_ratio(steps, base)
@@ -163,7 +165,7 @@ def _nothing() -> pd.DataFrame:
     return pd.DataFrame(columns=list(measures.PER_SEED_COLUMNS))
 
 
-# -- verdicts ---------------------------------------------------------------------------------------------------------
+# -- verdicts ------------------------------------------------------------------------------------------------
 
 
 def judge(setting: RawSetting) -> list[Judgement]:
@@ -174,8 +176,8 @@ def judge(setting: RawSetting) -> list[Judgement]:
 def verdict_frame(setting: RawSetting) -> pd.DataFrame:
     """One row a claim.
 
-    Columns setting, group, changes (JSON), status, truncated (episodes), total_steps, claim, verdict, parts (comparisons
-    that the claim is made of), parts_holding, evidence (those comparisons with their intervals).
+    Columns setting, group, changes (JSON), status, truncated (episodes), total_steps, claim, verdict, parts
+    (comparisons that the claim is made of), parts_holding, evidence (those comparisons with their intervals).
     """
     judgements = judge(setting)
     return pd.DataFrame(
@@ -200,7 +202,7 @@ def verdict_frame(setting: RawSetting) -> pd.DataFrame:
     )
 
 
-# -- numbers behind single claims -------------------------------------------------------------------------------------
+# -- numbers behind single claims ----------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -246,17 +248,17 @@ TARGETS = (
 
 TARGET_COLUMNS = (
     "claim", "setting", "group", "changes", "environment", "task", "method", "seeds", "first_episode",
-    "base_first_episode", "jump_start_percent", "jump_start_low", "jump_start_high", "episodes", "episodes_low",
-    "episodes_high", "reached", "total_steps",
+    "base_first_episode", "jump_start_percent", "jump_start_low", "jump_start_high", "episodes",
+    "episodes_low", "episodes_high", "reached", "total_steps",
 )  # fmt: skip
 
 
 def target_frame(setting: RawSetting) -> pd.DataFrame:
-    """What a setting says about the claims of `TARGETS` for which it is an experiment, one row a task and method.
+    """What a setting says about the claims of `TARGETS` that it is an experiment for, one row a task and method.
 
-    Columns `TARGET_COLUMNS`: means over seeds; jump start in % of the base's mean first episode, and episodes to the
-    threshold (a run that never reaches it counts with all its episodes), both with bootstrap intervals as in the ledger.
-    No row for a setting that is an experiment for none of the claims.
+    Columns `TARGET_COLUMNS`: means over seeds; jump start in % of the base's mean first episode, and episodes
+    to the threshold (a run that never reaches it counts with all its episodes), both with bootstrap intervals
+    as in the ledger. No row for a setting that is an experiment for none of the claims.
     """
     rows = []
     for target in TARGETS:
@@ -274,8 +276,8 @@ def target_frame(setting: RawSetting) -> pd.DataFrame:
                     continue  # the status of the setting says why
                 rows.append(
                     {"claim": target.claim, "setting": setting.name, "group": setting.group,
-                     "changes": json.dumps(setting.changes), "environment": target.environment, "task": letter,
-                     "method": method} | numbers
+                     "changes": json.dumps(setting.changes), "environment": target.environment,
+                     "task": letter, "method": method} | numbers
                 )  # fmt: skip
     return pd.DataFrame(rows, columns=list(TARGET_COLUMNS))
 

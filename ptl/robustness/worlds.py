@@ -52,7 +52,8 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
     rows = [list(line.replace("I", ".")) for line in world.text.splitlines()]
     if not (0 <= row < len(rows) and 0 <= column < len(rows[0]) and rows[row][column] == "."):
         raise UserError(
-            f"{world.name}: row {row}, column {column} (from 0) is not a free cell without a goal; choose another start"
+            f"{world.name}: row {row}, column {column} (from 0) is not a free cell without a goal;"
+            " choose another start"
         )
     rows[row][column] = "I"
     return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", name=world.name)
@@ -61,8 +62,8 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
 def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, rooms: int = 7) -> str:
     """Text of environment 1's map with another room size and goal depth (the drawing is our choice).
 
-    Rooms of ``size`` x ``size`` cells stand in a row with doors in the same place of every wall; room k + 1 holds the
-    k-th goal.
+    Rooms of ``size`` x ``size`` cells stand in a row with doors in the same place of every wall; room k + 1
+    holds the k-th goal.
 
     Parameters
     ----------

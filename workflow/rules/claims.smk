@@ -6,24 +6,24 @@ rule judge_claims:
         per_seed=rules.measure.output.per_seed,
         subgoals=rules.measure.output.subgoals,
         steps=rules.measure.output.steps,
-        growth=REPORTS + "/tables/growth.csv",
-        selection_cost=REPORTS + "/tables/selection_cost.csv",
-        library_bytes=REPORTS + "/tables/library_bytes.csv",
+        growth="<reports>/tables/growth.csv",
+        selection_cost="<reports>/tables/selection_cost.csv",
+        library_bytes="<reports>/tables/library_bytes.csv",
         maps=[
             config["environments"][environment]["map"] for environment in ENVIRONMENTS
         ],
     output:
-        csv=REPORTS + "/claims.csv",
-        parts=REPORTS + "/claims_parts.csv",
-        md=REPORTS + "/claims.md",
+        csv="<reports>/claims.csv",
+        parts="<reports>/claims_parts.csv",
+        md="<reports>/claims.md",
         html=report(
-            REPORTS + "/claims.html",
+            "<reports>/claims.html",
             caption="../report/claims.rst",
             category="1 Verdicts",
             labels={"item": "Claims", "shows": "verdict and numbers for every claim"},
         ),
     log:
-        "logs/" + RESULTS + "/claims.log",
+        "<logs>/claims.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -34,8 +34,7 @@ rule judge_claims:
     message:
         "Judging the claims of the article"
     shell:
-        PTL
-        + " claims {input.per_seed:q} {params.maps} --subgoals {input.subgoals:q} --steps {input.steps:q}"
+        "ptl claims {input.per_seed:q} {params.maps} --subgoals {input.subgoals:q} --steps {input.steps:q}"
         " --growth {input.growth:q} --selection-cost {input.selection_cost:q}"
         " --library-bytes {input.library_bytes:q} --confidence {params.confidence}"
         " --resamples {params.resamples} --output-csv {output.csv:q} --output-parts {output.parts:q}"

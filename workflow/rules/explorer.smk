@@ -9,14 +9,14 @@ EXPLORER_SEEDS = list(SEEDS)[:3]
 rule build_explorer:
     input:
         expand(
-            RESULTS + "/learning/{environment}/{method}/seed_{seed:03d}.h5",
+            "<results>/learning/{environment}/{method}/seed_{seed:03d}.h5",
             environment=ENVIRONMENTS,
             method=METHODS,
             seed=EXPLORER_SEEDS,
         ),
     output:
         report(
-            REPORTS + "/explorer.html",
+            "<reports>/explorer.html",
             caption="../report/explorer.rst",
             category="4 Explorer",
             labels={
@@ -25,7 +25,7 @@ rule build_explorer:
             },
         ),
     log:
-        "logs/" + RESULTS + "/explorer.log",
+        "<logs>/explorer.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -36,7 +36,7 @@ rule build_explorer:
     message:
         "Building the explorer {output}"
     shell:
-        PTL + " explorer {input:q} --output {output:q} {params.titles} 2> {log:q}"
+        "ptl explorer {input:q} --output {output:q} {params.titles} 2> {log:q}"
 
 
 rule explorer:

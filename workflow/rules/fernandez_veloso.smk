@@ -8,9 +8,9 @@ rule learn_fv:
         # their map, whatever environments the run compares
         map="config/environments/env3.txt",
     output:
-        RESULTS + "/fernandez_veloso/{library}.h5",
+        "<results>/fernandez_veloso/{library}.h5",
     log:
-        "logs/" + RESULTS + "/fernandez_veloso/{library}.log",
+        "<logs>/fernandez_veloso/{library}.log",
     wildcard_constraints:
         library="|".join(FV_LIBRARIES),
     conda:
@@ -24,17 +24,16 @@ rule learn_fv:
     message:
         "Learning in the setting of Fernandez and Veloso, {wildcards.library}"
     shell:
-        PTL
-        + " fv learn --map {input.map:q} --library {wildcards.library} --seeds {params.seeds}"
+        "ptl fv learn --map {input.map:q} --library {wildcards.library} --seeds {params.seeds}"
         " --root-seed {params.root_seed} --output {output:q} 2> {log:q}"
 
 
 rule report_fv:
     input:
-        expand(RESULTS + "/fernandez_veloso/{library}.h5", library=FV_LIBRARIES),
+        expand("<results>/fernandez_veloso/{library}.h5", library=FV_LIBRARIES),
     output:
         png=report(
-            REPORTS + "/figures/policy_reuse_fv.png",
+            "<reports>/figures/policy_reuse_fv.png",
             caption="../report/fv.rst",
             category="6 Checks",
             labels={
@@ -42,9 +41,9 @@ rule report_fv:
                 "shows": "gain in Fernandez and Veloso's own experiment",
             },
         ),
-        twins=multiext(REPORTS + "/figures/policy_reuse_fv", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/policy_reuse_fv", ".svg", ".csv"),
         page=report(
-            REPORTS + "/tables/policy_reuse_fv.html",
+            "<reports>/tables/policy_reuse_fv.html",
             caption="../report/fv.rst",
             category="6 Checks",
             labels={
@@ -52,9 +51,9 @@ rule report_fv:
                 "shows": "gain over all trials, table",
             },
         ),
-        table=multiext(REPORTS + "/tables/policy_reuse_fv", ".csv", ".md"),
+        table=multiext("<reports>/tables/policy_reuse_fv", ".csv", ".md"),
     log:
-        "logs/" + RESULTS + "/fernandez_veloso/report.log",
+        "<logs>/fernandez_veloso/report.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -69,8 +68,7 @@ rule report_fv:
     message:
         "Drawing the gain of policy reuse beside the published one"
     shell:
-        PTL
-        + " fv report {input:q} --output-figure {output.png:q} --output-table {output.table[0]:q}"
+        "ptl fv report {input:q} --output-figure {output.png:q} --output-table {output.table[0]:q}"
         " --confidence {params.confidence} --resamples {params.resamples} 2> {log:q}"
 
 

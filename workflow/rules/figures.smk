@@ -1,104 +1,31 @@
 # The article's figures. Each one is a PNG for reading, an SVG for printing and a CSV of the numbers drawn.
 
-FIGURES = REPORTS + "/figures/"
-CONFIDENCE = config["statistics"]["confidence"]
-# On the first environment the base never reaches the threshold, so the second shows the measures better.
-MEASURES_SHOWN_IN = ENVIRONMENTS[min(1, len(ENVIRONMENTS) - 1)]
-LAST_TASK = {
-    name: environment["tasks"][-1]
-    for name, environment in config["environments"].items()
-}
-
-
-def article_item(environment, kind):
-    """Name of the figure of an environment: the article's number, or one made from the environment's name."""
-    return (
-        config["environments"][environment]
-        .get("article_items", {})
-        .get(kind, f"{kind}_{environment}")
-    )
-
-
-MAP_FIGURES = {
-    article_item(environment, "map"): environment for environment in ENVIRONMENTS
-}
-DISCOVERY_FIGURES = {
-    article_item(environment, "discovery"): environment for environment in ENVIRONMENTS
-}
-
-
-def map_titles():
-    """The environments' titles as quoted options of the drawing commands."""
-    return " ".join(
-        "--title " + shlex.quote(f"{name}={title_of(name)}") for name in ENVIRONMENTS
-    )
-
-
-def drawing_code(module):
-    """Digest of what one figure is made by."""
-    return code_digest("ptl.figures.style", f"ptl.figures.{module}")
-
-
-def method_colours():
-    """Digest of the files that give the methods their names and colours."""
-    return code_digest(*[f"ptl.methods.{method}" for method in METHODS])
-
-
-def map_options():
-    """The environments with their maps as quoted options of the drawing commands."""
-    maps = {
-        name: environment["map"] for name, environment in config["environments"].items()
-    }
-    return " ".join(
-        "--map " + shlex.quote(f"{name}={path}") for name, path in maps.items()
-    )
-
-
-def last_task_options():
-    """The environments with their last tasks as options of the drawing commands."""
-    return " ".join(f"--task {name}={task}" for name, task in LAST_TASK.items())
-
-
-def discovery_tasks(environment):
-    """Letters of the tasks that the discovery figure shows; the last three if the configuration names none."""
-    entry = config["environments"][environment]
-    return entry["discovery_tasks"] or entry["tasks"][-3:]
-
-
-def curve_methods():
-    """Methods of the learning curves: the article's four, and those that only this run compares."""
-    variants = {"ptl_supervised", "ptl_unknown_goal"}
-    return " ".join(
-        f"--method {method}" for method in METHODS if method not in variants
-    )
-
 
 rule draw_prior:
     input:
-        map=config["environments"][ENVIRONMENTS[-1]]["map"],
+        map=config["environments"][PRIOR_SHOWN_IN]["map"],
     output:
         png=report(
-            FIGURES + "figure03.png",
+            "<reports>/figures/figure03.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={"item": "Figure 3", "shows": "prior of a skill by where it ends"},
         ),
-        twins=multiext(FIGURES + "figure03", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure03", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure03.log",
+        "<logs>/figures/figure03.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        goal=LAST_TASK[ENVIRONMENTS[-1]],
-        title=title_of(ENVIRONMENTS[-1]),
+        goal=LAST_TASK[PRIOR_SHOWN_IN],
+        title=title_of(PRIOR_SHOWN_IN),
         form=config["skills"]["prior_form"],
         width=config["skills"]["prior_width"],
         code=drawing_code("prior"),
     message:
         "Drawing the prior of a skill"
     shell:
-        PTL
-        + " figure prior {input.map:q} --goal {params.goal} --form {params.form} --width {params.width}"
+        "ptl figure prior {input.map:q} --goal {params.goal} --form {params.form} --width {params.width}"
         " --title {params.title:q} --output {output.png:q} 2> {log:q}"
 
 
@@ -106,9 +33,9 @@ rule learn_misleading:
     input:
         map="config/misleading_prior.txt",
     output:
-        RESULTS + "/misleading_prior/seed_{seed}.h5",
+        "<results>/misleading_prior/seed_{seed}.h5",
     log:
-        "logs/" + RESULTS + "/misleading_prior/seed_{seed}.log",
+        "<logs>/misleading_prior/seed_{seed}.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -119,18 +46,17 @@ rule learn_misleading:
     message:
         "Learning the map where the prior misleads, seed {wildcards.seed}"
     shell:
-        PTL
-        + " learn --map {input.map:q} --environment misleading_prior --tasks ABC --method ptl"
+        "ptl learn --map {input.map:q} --environment misleading_prior --tasks ABC --method ptl"
         " --seed {params.seed} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
 
 rule draw_misleading_prior:
     input:
-        expand(RESULTS + "/misleading_prior/seed_{seed:03d}.h5", seed=SEEDS),
+        expand("<results>/misleading_prior/seed_{seed:03d}.h5", seed=SEEDS),
     output:
         png=report(
-            FIGURES + "figure04.png",
+            "<reports>/figures/figure04.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={
@@ -138,9 +64,9 @@ rule draw_misleading_prior:
                 "shows": "the likelihood overrules a misleading prior",
             },
         ),
-        twins=multiext(FIGURES + "figure04", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure04", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure04.log",
+        "<logs>/figures/figure04.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -149,8 +75,7 @@ rule draw_misleading_prior:
     message:
         "Drawing how the likelihood overrules a misleading prior"
     shell:
-        PTL
-        + " figure misleading-prior {input:q} --confidence {params.confidence} --output {output.png:q} 2> {log:q}"
+        "ptl figure misleading-prior {input:q} --confidence {params.confidence} --output {output.png:q} 2> {log:q}"
 
 
 rule draw_map:
@@ -160,14 +85,14 @@ rule draw_map:
         ],
     output:
         png=report(
-            FIGURES + "{figure}.png",
+            "<reports>/figures/{figure}.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={"item": "{figure}", "shows": "map with start and goals"},
         ),
-        twins=multiext(FIGURES + "{figure}", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/{figure}", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/{figure}.log",
+        "<logs>/figures/{figure}.log",
     wildcard_constraints:
         figure="|".join(MAP_FIGURES),
     conda:
@@ -178,8 +103,7 @@ rule draw_map:
     message:
         "Drawing the map {wildcards.figure}"
     shell:
-        PTL
-        + " figure map {input.map:q} --title {params.title:q} --output {output.png:q} 2> {log:q}"
+        "ptl figure map {input.map:q} --title {params.title:q} --output {output.png:q} 2> {log:q}"
 
 
 rule draw_frequencies:
@@ -187,14 +111,14 @@ rule draw_frequencies:
         rules.subgoal_frequencies.input,
     output:
         png=report(
-            FIGURES + "figure08.png",
+            "<reports>/figures/figure08.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={"item": "Figure 8", "shows": "subgoal selection frequencies"},
         ),
-        twins=multiext(FIGURES + "figure08", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure08", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure08.log",
+        "<logs>/figures/figure08.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -203,8 +127,7 @@ rule draw_frequencies:
     message:
         "Drawing subgoal selection frequencies"
     shell:
-        PTL
-        + " figure frequencies {input:q} {params.titles} --output {output.png:q} 2> {log:q}"
+        "ptl figure frequencies {input:q} {params.titles} --output {output.png:q} 2> {log:q}"
 
 
 rule draw_discovery:
@@ -212,14 +135,14 @@ rule draw_discovery:
         lambda wildcards: learning_files([DISCOVERY_FIGURES[wildcards.figure]], ["ptl"]),
     output:
         png=report(
-            FIGURES + "{figure}.png",
+            "<reports>/figures/{figure}.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={"item": "{figure}", "shows": "original and incremental FD metric"},
         ),
-        twins=multiext(FIGURES + "{figure}", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/{figure}", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/{figure}.log",
+        "<logs>/figures/{figure}.log",
     wildcard_constraints:
         figure="|".join(DISCOVERY_FIGURES),
     conda:
@@ -231,8 +154,7 @@ rule draw_discovery:
     message:
         "Drawing subgoal discovery, {wildcards.figure}"
     shell:
-        PTL
-        + " figure discovery {input:q} --tasks {params.tasks} --title {params.title:q}"
+        "ptl figure discovery {input:q} --tasks {params.tasks} --title {params.title:q}"
         " --output {output.png:q} 2> {log:q}"
 
 
@@ -244,7 +166,7 @@ rule draw_curves:
         ],
     output:
         png=report(
-            FIGURES + "figure12.png",
+            "<reports>/figures/figure12.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={
@@ -252,9 +174,9 @@ rule draw_curves:
                 "shows": "steps per episode on the last task",
             },
         ),
-        twins=multiext(FIGURES + "figure12", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure12", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure12.log",
+        "<logs>/figures/figure12.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -268,8 +190,7 @@ rule draw_curves:
     message:
         "Drawing learning curves"
     shell:
-        PTL
-        + " figure curves {input.steps:q} {params.maps} {params.tasks} {params.titles} {params.methods}"
+        "ptl figure curves {input.steps:q} {params.maps} {params.tasks} {params.titles} {params.methods}"
         " --confidence {params.confidence} --output {output.png:q} 2> {log:q}"
 
 
@@ -279,7 +200,7 @@ rule draw_measures:
         map=config["environments"][MEASURES_SHOWN_IN]["map"],
     output:
         png=report(
-            FIGURES + "figure13.png",
+            "<reports>/figures/figure13.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={
@@ -287,9 +208,9 @@ rule draw_measures:
                 "shows": "the measures of transfer on real curves",
             },
         ),
-        twins=multiext(FIGURES + "figure13", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure13", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure13.log",
+        "<logs>/figures/figure13.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -303,8 +224,7 @@ rule draw_measures:
     message:
         "Drawing what the measures are"
     shell:
-        PTL
-        + " figure measures {input.steps:q} --map {params.map:q} --task {params.task} --title {params.title:q}"
+        "ptl figure measures {input.steps:q} --map {params.map:q} --task {params.task} --title {params.title:q}"
         " --window {params.window} --threshold-factor {params.threshold_factor} --output {output.png:q} 2> {log:q}"
 
 
@@ -313,14 +233,14 @@ rule draw_growth:
         rules.collect_growth.output,
     output:
         png=report(
-            FIGURES + "figure14.png",
+            "<reports>/figures/figure14.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={"item": "Figure 14", "shows": "growth of the skill library"},
         ),
-        twins=multiext(FIGURES + "figure14", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/figure14", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/figure14.log",
+        "<logs>/figures/figure14.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -331,8 +251,7 @@ rule draw_growth:
     message:
         "Drawing the growth of the library"
     shell:
-        PTL
-        + " figure growth {input:q} --breakpoint {params.bend} --confidence {params.confidence}"
+        "ptl figure growth {input:q} --breakpoint {params.bend} --confidence {params.confidence}"
         " --output {output.png:q} 2> {log:q}"
 
 
@@ -342,7 +261,7 @@ rule draw_library_cost:
         storage=rules.library_cost.output.storage,
     output:
         png=report(
-            FIGURES + "library_cost.png",
+            "<reports>/figures/library_cost.png",
             caption="../report/figure.rst",
             category="2 Figures",
             labels={
@@ -350,9 +269,9 @@ rule draw_library_cost:
                 "shows": "time of a selection and bytes of a library",
             },
         ),
-        twins=multiext(FIGURES + "library_cost", ".svg", ".csv"),
+        twins=multiext("<reports>/figures/library_cost", ".svg", ".csv"),
     log:
-        "logs/" + RESULTS + "/figures/library_cost.log",
+        "<logs>/figures/library_cost.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -360,14 +279,13 @@ rule draw_library_cost:
     message:
         "Drawing what a library costs"
     shell:
-        PTL
-        + " figure library-cost {input.selection:q} {input.storage:q} --output {output.png:q} 2> {log:q}"
+        "ptl figure library-cost {input.selection:q} {input.storage:q} --output {output.png:q} 2> {log:q}"
 
 
 rule figures:
     input:
         expand(
-            FIGURES + "{figure}.png",
+            "<reports>/figures/{figure}.png",
             figure=[
                 "figure03",
                 *(["figure04"] if "ptl" in METHODS else []),

@@ -5,9 +5,9 @@ rule grow:
     input:
         map=config["environments"][config["growth"]["environment"]]["map"],
     output:
-        RESULTS + "/growth/run_{run}.h5",
+        "<results>/growth/run_{run}.h5",
     log:
-        "logs/" + RESULTS + "/growth/run_{run}.log",
+        "<logs>/growth/run_{run}.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -20,14 +20,11 @@ rule grow:
     message:
         "Growing a library over random tasks, run {wildcards.run}"
     shell:
-        PTL
-        + " grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
+        "ptl grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
         " --run {params.run} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
 
 rule growth:
     input:
-        expand(
-            RESULTS + "/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])
-        ),
+        expand("<results>/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])),

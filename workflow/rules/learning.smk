@@ -5,9 +5,9 @@ rule learn:
     input:
         map=map_of,
     output:
-        RESULTS + "/learning/{environment}/{method}/seed_{seed}.h5",
+        "<results>/learning/{environment}/{method}/seed_{seed}.h5",
     log:
-        "logs/" + RESULTS + "/learning/{environment}/{method}/seed_{seed}.log",
+        "<logs>/learning/{environment}/{method}/seed_{seed}.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -21,8 +21,7 @@ rule learn:
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"
     shell:
-        PTL
-        + " learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
+        "ptl learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
         " --method {wildcards.method} --seed {params.seed} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 

@@ -5,11 +5,11 @@ rule measure:
     input:
         learning_files(),
     output:
-        per_seed=REPORTS + "/tables/per_seed.csv",
-        subgoals=REPORTS + "/tables/subgoals.csv",
-        steps=RESULTS + "/steps.h5",
+        per_seed="<reports>/tables/per_seed.csv",
+        subgoals="<reports>/tables/subgoals.csv",
+        steps="<results>/steps.h5",
     log:
-        "logs/" + RESULTS + "/measure.log",
+        "<logs>/measure.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -19,8 +19,7 @@ rule measure:
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
     shell:
-        PTL
-        + " measure {input:q} --output-per-seed {output.per_seed:q} --output-subgoals {output.subgoals:q}"
+        "ptl measure {input:q} --output-per-seed {output.per_seed:q} --output-subgoals {output.subgoals:q}"
         " --output-steps {output.steps:q} {params.measures} 2> {log:q}"
 
 
@@ -28,9 +27,9 @@ rule collect_growth:
     input:
         rules.growth.input,
     output:
-        REPORTS + "/tables/growth.csv",
+        "<reports>/tables/growth.csv",
     log:
-        "logs/" + RESULTS + "/collect_growth.log",
+        "<logs>/collect_growth.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -38,17 +37,17 @@ rule collect_growth:
     message:
         "Collecting the growth of the library"
     shell:
-        PTL + " collect-growth {input:q} --output {output:q} 2> {log:q}"
+        "ptl collect-growth {input:q} --output {output:q} 2> {log:q}"
 
 
 rule library_cost:
     input:
         [config["environments"][environment]["map"] for environment in ENVIRONMENTS],
     output:
-        selection=REPORTS + "/tables/selection_cost.csv",
-        storage=REPORTS + "/tables/library_bytes.csv",
+        selection="<reports>/tables/selection_cost.csv",
+        storage="<reports>/tables/library_bytes.csv",
     log:
-        "logs/" + RESULTS + "/library_cost.log",
+        "<logs>/library_cost.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -56,6 +55,5 @@ rule library_cost:
     message:
         "Measuring what a skill selection and a library cost"
     shell:
-        PTL
-        + " library-cost {input:q} --output-selection {output.selection:q} --output-storage {output.storage:q}"
+        "ptl library-cost {input:q} --output-selection {output.selection:q} --output-storage {output.storage:q}"
         " 2> {log:q}"

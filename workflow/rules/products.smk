@@ -1,9 +1,7 @@
 # The front page of the report, and the manifest of everything in it.
 
-FRONT_PAGE = REPORTS + "/front_page.rst"
 
-
-report: os.path.abspath(FRONT_PAGE)
+report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
 
 
 rule front_page:
@@ -11,15 +9,14 @@ rule front_page:
         claims=rules.judge_claims.output.csv,
         metrics=rules.tabulate.output.metrics,
     output:
-        FRONT_PAGE,
+        "<reports>/front_page.rst",
     log:
-        "logs/" + RESULTS + "/front_page.log",
+        "<logs>/front_page.log",
     conda:
         "../envs/ptl.yaml"
     params:
         environments=" ".join(
-            "--environment "
-            + shlex.quote(f"{name}={LAST_TASK[name]}={title_of(name)}")
+            shlex.join(["--environment", f"{name}={LAST_TASK[name]}={title_of(name)}"])
             for name in ENVIRONMENTS
         ),
         methods=" ".join(f"--method {method}" for method in METHODS),
@@ -28,8 +25,7 @@ rule front_page:
     message:
         "Composing the front page of the report"
     shell:
-        PTL
-        + " front-page {input.claims:q} {input.metrics:q} {params.environments} {params.methods}"
+        "ptl front-page {input.claims:q} {input.metrics:q} {params.environments} {params.methods}"
         " --output {output:q} 2> {log:q}"
 
 
@@ -41,17 +37,16 @@ rule manifest:
         rules.report_fv.output,
         rules.front_page.output,
     output:
-        REPORTS + "/manifest.json",
+        "<reports>/manifest.json",
     log:
-        "logs/" + RESULTS + "/manifest.log",
+        "<logs>/manifest.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=REPORTS,
+        folder=lambda wildcards, output: os.path.dirname(output[0]),
         config=json.dumps(config, sort_keys=True),
         code=code_digest("ptl.commands.manifest", "ptl.manifest"),
     message:
         "Writing the manifest of all products"
     shell:
-        PTL
-        + " manifest {input:q} --folder {params.folder:q} --config {params.config:q} --output {output:q} 2> {log:q}"
+        "ptl manifest {input:q} --folder {params.folder:q} --config {params.config:q} --output {output:q} 2> {log:q}"

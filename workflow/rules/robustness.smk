@@ -6,8 +6,8 @@ from functools import cache
 from ptl.robustness.design import job_of, read_study
 
 STUDY = config.get("robustness", {}).get("study", "config/robustness.yaml")
-ROBUSTNESS = RESULTS + "/robustness"
-ROBUSTNESS_REPORT = REPORTS + "/robustness"
+ROBUSTNESS = "<results>/robustness"
+ROBUSTNESS_REPORT = "<reports>/robustness"
 
 
 @cache
@@ -43,7 +43,7 @@ rule learn_setting:
     message:
         "Learning the setting {wildcards.setting} of the robustness study"
     shell:
-        PTL + " robustness learn --job {params.job:q} --output {output:q} 2> {log:q}"
+        "ptl robustness learn --job {params.job:q} --output {output:q} 2> {log:q}"
 
 
 rule judge_setting:
@@ -67,8 +67,7 @@ rule judge_setting:
     message:
         "Judging the claims in the setting {wildcards.setting}"
     shell:
-        PTL
-        + " robustness judge {input:q} {params.options} --output-verdicts {output.verdicts:q}"
+        "ptl robustness judge {input:q} {params.options} --output-verdicts {output.verdicts:q}"
         " --output-targets {output.targets:q} 2> {log:q}"
 
 
@@ -133,8 +132,7 @@ rule report_robustness:
     message:
         "Putting the verdicts of all settings together"
     shell:
-        PTL
-        + " robustness report {params.folder:q} --study {input.study:q} --output-folder {params.output:q} 2> {log:q}"
+        "ptl robustness report {params.folder:q} --study {input.study:q} --output-folder {params.output:q} 2> {log:q}"
 
 
 rule robustness:

@@ -5,9 +5,9 @@ rule survey_batch:
     input:
         map=map_of,
     output:
-        temp(RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.h5"),
+        temp("<results>/subgoal_frequencies/{environment}/batch_{batch}.h5"),
     log:
-        "logs/" + RESULTS + "/subgoal_frequencies/{environment}/batch_{batch}.log",
+        "<logs>/subgoal_frequencies/{environment}/batch_{batch}.log",
     # The longest jobs of the run go first, so that short ones fill the gap at the end.
     priority: 1
     conda:
@@ -22,8 +22,7 @@ rule survey_batch:
     message:
         "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.batches}"
     shell:
-        PTL
-        + " survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
+        "ptl survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
         " --batches {params.batches} --starts {params.starts} --trajectories {params.trajectories}"
         " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
@@ -31,13 +30,13 @@ rule survey_batch:
 rule merge_survey:
     input:
         expand(
-            RESULTS + "/subgoal_frequencies/{{environment}}/batch_{batch}.h5",
+            "<results>/subgoal_frequencies/{{environment}}/batch_{batch}.h5",
             batch=range(config["subgoal_frequencies"]["batches"]),
         ),
     output:
-        RESULTS + "/subgoal_frequencies/{environment}.h5",
+        "<results>/subgoal_frequencies/{environment}.h5",
     log:
-        "logs/" + RESULTS + "/subgoal_frequencies/{environment}.log",
+        "<logs>/subgoal_frequencies/{environment}.log",
     conda:
         "../envs/ptl.yaml"
     params:
@@ -45,11 +44,11 @@ rule merge_survey:
     message:
         "Adding up the subgoals of {wildcards.environment}"
     shell:
-        PTL + " survey merge {input:q} --output {output:q} 2> {log:q}"
+        "ptl survey merge {input:q} --output {output:q} 2> {log:q}"
 
 
 rule subgoal_frequencies:
     input:
         expand(
-            RESULTS + "/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS
+            "<results>/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS
         ),

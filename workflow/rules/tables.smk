@@ -8,23 +8,23 @@ rule tabulate:
     input:
         per_seed=rules.measure.output.per_seed,
     output:
-        metrics=REPORTS + "/tables/metrics.csv",
+        metrics="<reports>/tables/metrics.csv",
         tables=expand(
-            REPORTS + "/tables/{table}.{format}",
+            "<reports>/tables/{table}.{format}",
             table=TABLES,
             format=TABLE_FORMATS[1:],
         ),
         pages=report(
-            expand(REPORTS + "/tables/{table}.html", table=TABLES),
+            expand("<reports>/tables/{table}.html", table=TABLES),
             caption="../report/table.rst",
             category="3 Tables",
         ),
     log:
-        "logs/" + RESULTS + "/tabulate.log",
+        "<logs>/tabulate.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=REPORTS + "/tables",
+        folder=lambda wildcards, output: os.path.dirname(output.metrics),
         environments=titles_option(),
         window=config["measures"]["window"],
         threshold_factor=config["measures"]["threshold_factor"],
@@ -35,8 +35,7 @@ rule tabulate:
     message:
         "Estimating every measure and laying out {output.metrics} and the tables"
     shell:
-        PTL
-        + " tables {input.per_seed:q} --output-metrics {output.metrics:q} --output-folder {params.folder:q}"
+        "ptl tables {input.per_seed:q} --output-metrics {output.metrics:q} --output-folder {params.folder:q}"
         " {params.environments} --window {params.window}"
         " --threshold-factor {params.threshold_factor} --confidence {params.confidence}"
         " --resamples {params.resamples} 2> {log:q}"

@@ -63,10 +63,10 @@ export function drawCurves(element, series, shortest, episode) {
   const y = (steps) => bottom - ((Math.log10(steps) - low) / (high - low)) * (bottom - top);
   const x = (i) => columnOf(i + 1, count, width);
   const parts = [];
-  for (let power = Math.ceil(low); power <= high; power += 1) {
-    const at = y(10 ** power);
+  for (const tick of stepTicks(low, high)) {
+    const at = y(tick);
     parts.push(svg("line", { x1: MARGIN.left, x2: width - MARGIN.right, y1: at, y2: at, class: "grid" }));
-    parts.push(svg("text", { x: MARGIN.left - 7, y: at + 4, class: "tick end" }, shortCount(10 ** power)));
+    parts.push(svg("text", { x: MARGIN.left - 7, y: at + 4, class: "tick end" }, shortCount(tick)));
   }
   parts.push(...episodeTicks(count).map((tick) => episodeTick(tick, count, width, height)));
   const base = y(shortest);
@@ -84,6 +84,15 @@ export function drawCurves(element, series, shortest, episode) {
     parts.push(dot);
   }
   element.replaceChildren(...parts);
+}
+
+/** Ticks of a log axis between two powers of ten (exponents): 1, or 1, 2 and 5, of each decade. */
+function stepTicks(low, high) {
+  const factors = high - low < 2 ? [1, 2, 5] : [1];
+  const powers = Array.from({ length: Math.ceil(high) - Math.floor(low) + 1 }, (_, i) => 10 ** (Math.floor(low) + i));
+  return powers
+    .flatMap((power) => factors.map((factor) => factor * power))
+    .filter((tick) => tick >= 10 ** low && tick <= 10 ** high);
 }
 
 function shortCount(number) {

@@ -1,6 +1,6 @@
 // The data set with its arrays unpacked when they are first asked for.
 
-import { decodeActions, decodeShares, decodeValues, decodeVarints } from "./decode.js";
+import { decodeActions, decodeShareRows, decodeShares, decodeValues, decodeVarints } from "./decode.js";
 import { distancesTo, parseWorld } from "./world.js";
 
 /** Run `make` at the first call and remember what it returned. */
@@ -25,10 +25,7 @@ function splitDraws(counted) {
 function openTask(world, raw) {
   const chances = once(() => {
     if (raw.chances === null) return null;
-    const flat = decodeShares(raw.chances);
-    const candidates = flat.length / task.steps().length;
-    return task.steps().map((_, episode) => {
-      const row = flat.subarray(episode * candidates, (episode + 1) * candidates);
+    return decodeShareRows(raw.chances).map((row) => {
       const sum = row.reduce((total, share) => total + share, 0); // rounding leaves it some 1e-5 off
       return row.map((share) => share / sum);
     });
@@ -37,7 +34,7 @@ function openTask(world, raw) {
     ...raw,
     steps: once(() => decodeVarints(raw.steps)),
     value: once(() => decodeValues(raw.value)),
-    policy: once(() => decodeActions(raw.policy)),
+    policy: once(() => decodeActions(raw.policy, world.size)),
     metric: once(() => decodeShares(raw.metric)),
     drawn: once(() => splitDraws(decodeVarints(raw.drawn))),
     initial: once(() => (raw.initial === null ? null : decodeValues(raw.initial))),
@@ -71,7 +68,7 @@ export function openDataset(raw) {
       if (!runs.has(name)) {
         const run = entry.runs[name];
         runs.set(name, {
-          skills: run.skills.map((skill) => ({ ...skill, policy: once(() => decodeActions(skill.policy)) })),
+          skills: run.skills.map((skill) => ({ ...skill, policy: once(() => decodeActions(skill.policy, world.size)) })),
           tasks: run.tasks.map((task) => openTask(world, task)),
         });
       }

@@ -7,7 +7,7 @@ import { MOVES } from "./world.js";
 const LARGEST_CELL = 34; // CSS pixels
 const ZOOMED_CELL = 18;
 const ARROWS_FROM = 5; // smaller cells show no arrows
-const TRAIL = 120; // steps of the trail
+const TRAIL = 60; // steps of the trail of an episode with chance
 
 const FARTHEST = 1000; // steps to the goal at the dark end
 const MOST_VISITS = 1000; // at the bright end
@@ -241,21 +241,21 @@ export class MapView {
     this.#text(label, x, y, 1.05 * radius, ink, 700);
   }
 
-  #drawTrail({ states, guided, colour, guideColour }) {
-    const first = Math.max(0, states.length - TRAIL);
+  #drawTrail({ states, guided, colour, guideColour, thin }) {
+    const first = thin ? Math.max(0, states.length - TRAIL) : 0;
     const split = Math.min(states.length - 1, Math.max(first, guided));
-    this.#drawLine(states.slice(first, split + 1), guideColour);
-    this.#drawLine(states.slice(split), colour);
+    this.#drawLine(states.slice(first, split + 1), guideColour, thin);
+    this.#drawLine(states.slice(split), colour, thin);
   }
 
-  #drawLine(states, colour) {
+  #drawLine(states, colour, thin) {
     const { context: c, scene, ratio, unit } = this;
     if (states.length < 2) return;
     c.beginPath();
     states.forEach((state, i) => (i ? c.lineTo(...this.#centre(state)) : c.moveTo(...this.#centre(state))));
     c.lineJoin = "round";
     c.lineCap = "round";
-    const width = Math.min(6 * ratio, Math.max(2 * ratio, 0.24 * unit));
+    const width = Math.min(6 * ratio, Math.max(1.5 * ratio, (thin ? 0.14 : 0.24) * unit));
     for (const [extra, stroke] of [[2 * ratio, scene.colours.paper], [0, colour]]) {
       c.lineWidth = width + extra;
       c.strokeStyle = stroke;

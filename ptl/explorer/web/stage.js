@@ -180,7 +180,7 @@ export class Stage {
       this.trail = playing.path.slice(0, playing.steps + 1);
     } else {
       // The trail wants the last steps one by one, the rest may go at once.
-      const single = Math.min(count, 160);
+      const single = Math.min(count, 100);
       if (count > single) {
         playing.advance(count - single);
         this.trail = [playing.state];
@@ -189,7 +189,7 @@ export class Stage {
         playing.advance(1);
         this.trail.push(playing.state);
       }
-      this.trail = this.trail.slice(-200);
+      this.trail = this.trail.slice(-100);
     }
     return playing.done;
   }
@@ -199,6 +199,7 @@ export class Stage {
     const { playing, task } = this;
     const steps = `${formatCount(playing.steps)} ${playing.steps === 1 ? "step" : "steps"}`;
     const shortest = task.distances()[task.start];
+    if (playing.path?.length === 1) return "Nothing is known at the start yet: the learned policy says no action.";
     if (playing.steps === 0) return this.describeStart();
     if (playing.state === task.goal) return `Goal ${task.name} after ${steps}; the shortest path has ${shortest}.`;
     if (!playing.done) return `${steps}${this.describeLead()}`;
@@ -266,6 +267,7 @@ export class Stage {
       trail: begun && {
         states: this.trail,
         guided: lead,
+        thin: this.showsVisits,
         colour: this.colour,
         guideColour: this.leader ? skillColour(this.leader) : this.colour,
       },
