@@ -67,8 +67,8 @@ def gain_page(table: pd.DataFrame, confidence: float) -> Page:
     return Page(
         "Policy reuse in the experiment of Fernandez and Veloso",
         f"Mean gain W over {first['trials']} trials on their task Ω (goal {NEW_TASK} of environment 3),"
-        f" mean of {first['seeds']} seeds; random starts, at most {MAX_STEPS} steps a trial. The learner is the one"
-        " of the main comparison.",
+        f" mean of {first['seeds']} seeds; random starts, at most {MAX_STEPS} steps a trial. The learner"
+        " is the one of the main comparison.",
         ("library", "gain", f"{100 * confidence:g} % interval", "published", "library quality"),
         rows,
         ("Known differences from the source:", *DIFFERENCES),

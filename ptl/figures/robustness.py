@@ -51,7 +51,7 @@ def heat_frame(verdicts: pd.DataFrame) -> pd.DataFrame:
 
 @style.styled
 def draw(frame: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> Figure:
-    """Claims by settings; one panel for each group of settings, names of the unknowns below the middle one."""
+    """Claims by settings; one panel for each group of settings, names of unknowns below the middle one."""
     claims = list(dict.fromkeys(frame["claim"]))
     panels = [(group, frame[frame["group"] == group]) for group in GROUPS]
     panels = [(group, part) for group, part in panels if len(part)]

@@ -86,8 +86,8 @@ def unknown_page(table: pd.DataFrame) -> Page:
     ]
     return Page(
         "What the verdicts hang on",
-        "Unknowns ranked by the number of claims whose verdict they flip when moved alone, and with which they"
-        " are associated when all move at once.",
+        "Unknowns ranked by the number of claims whose verdict they flip when moved alone, and with which"
+        " they are associated when all move at once.",
         ("unknown", "rank", "claims flipped", "which", "claims associated", "which"),
         rows,
         ("Key of each unknown and its values: config/robustness.yaml; numbers: unknowns.csv.",),

@@ -254,7 +254,7 @@ TARGET_COLUMNS = (
 
 
 def target_frame(setting: RawSetting) -> pd.DataFrame:
-    """What a setting says about the claims of `TARGETS` that it is an experiment for, one row a task and method.
+    """What a setting says about the claims of `TARGETS` it is an experiment for, one row a task and method.
 
     Columns `TARGET_COLUMNS`: means over seeds; jump start in % of the base's mean first episode, and episodes
     to the threshold (a run that never reaches it counts with all its episodes), both with bootstrap intervals
