@@ -33,6 +33,7 @@ test-all: $(TEST_TOOLS) build  ## The whole test suite.
 lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
+	.venv/bin/mypy
 	.venv/bin/snakefmt --check Snakefile workflow
 	.venv/bin/snakemake --lint
 

@@ -69,8 +69,8 @@ def subgoal_frequencies(
         )
         if (subgoals == -2).any():
             raise UserError(
-                f"{world.name}: from state {start} to state {goals[subgoals == -2][0]} too few episodes reached the goal"
-                " within learning.max_steps; raise that limit"
+                f"{world.name}: from state {start} to state {goals[subgoals == -2][0]} too few episodes reached the"
+                " goal within learning.max_steps; raise that limit"
             )
         counts += np.bincount(subgoals[subgoals >= 0], minlength=world.n_states)
         unresolved += int((subgoals == -1).sum())

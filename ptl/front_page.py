@@ -18,8 +18,8 @@ they are reconstructed here, and ``docs/reconstruction.md`` says what is the art
 
 READING = """\
 **Verdicts** hold each claim of the article against this run. **Tables** and **Figures** carry the article's numbers.
-Each item says in its caption how many runs it shows, what its interval is, and which rule and file made it. Environments
-and methods keep their order and colours everywhere.
+Each item says in its caption how many runs it shows, what its interval is, and which rule and file made it.
+Environments and methods keep their order and colours everywhere.
 """
 
 

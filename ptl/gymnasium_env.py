@@ -1,12 +1,12 @@
 """A map as a Gymnasium environment, for learners that are written against that interface.
 
-Needs the optional extra ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and 0
-elsewhere; a move into a wall leaves the agent where it is.
+Needs the optional extra ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
+0 elsewhere; a move into a wall leaves the agent where it is.
 """
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -34,7 +34,7 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
     wrap the environment in ``gymnasium.wrappers.TimeLimit`` for one.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": ["ansi"], "render_fps": 10}
+    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
 
     def __init__(
         self, world: GridWorld, goal: str, *, random_start: bool = False, render_mode: str | None = None

@@ -14,8 +14,11 @@ from ptl.errors import UserError
 
 PACKAGES = ("ptl", "numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
 
-TIMED = ("selection_cost", "library_cost", "benchmark", "scaling")
-"""Stems of the products that hold measured times: they differ from run to run and are not compared."""
+TIMED = ("selection_cost", "library_cost", "claims", "claims_parts", "benchmark", "scaling")
+"""Stems of the products that hold measured times: they differ from run to run and are not compared.
+
+The claims hold one: the time of a skill selection.
+"""
 
 
 def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any]) -> dict[str, Any]:
@@ -38,7 +41,8 @@ def differences(folder: Path, manifest_path: Path) -> list[str]:
     try:
         products = json.loads(manifest_path.read_text(encoding="utf-8"))["products"]
     except (OSError, ValueError, KeyError) as error:
-        raise UserError(f"{manifest_path}: is not a manifest ({error}); 'snakemake' writes one with every run") from error
+        advice = "'snakemake' writes one with every run"
+        raise UserError(f"{manifest_path}: is not a manifest ({error}); {advice}") from error
     found = []
     for name, digest in products.items():
         if Path(name).stem in TIMED:

@@ -42,7 +42,7 @@ class _Checked:
 
 
 def _check_number(
-    key: str, value: Any, default: float, low: float, high: float, open_low: bool, open_high: bool
+    key: str, value: Any, default: Any, low: float, high: float, open_low: bool, open_high: bool
 ) -> None:
     whole = isinstance(default, int)
     kind = "a whole number" if whole else "a number"

@@ -14,7 +14,12 @@ import numpy as np
 
 
 def prior(
-    cells: np.ndarray, subgoals: Iterable[int], goal: int, diagonal: float, form: str = "exponential", width: float = 0.1
+    cells: np.ndarray,
+    subgoals: Iterable[int],
+    goal: int,
+    diagonal: float,
+    form: str = "exponential",
+    width: float = 0.1,
 ) -> np.ndarray:
     """Prior probability P(s_i|g) of each subgoal for a goal (our choice of form).
 
@@ -50,6 +55,13 @@ def prior(
     return weights / weights.sum()
 
 
+def draw_index(probabilities: np.ndarray, random: np.random.Generator) -> int:
+    """Index drawn with the given probabilities, from one uniform number."""
+    cumulated = np.cumsum(probabilities)
+    # Rounding may leave the last sum a little below 1.
+    return min(int(np.searchsorted(cumulated, random.random(), side="right")), len(cumulated) - 1)
+
+
 class SkillSelection:
     """Draws skills and learns from the episodes how well each one serves the present goal.
 
@@ -71,7 +83,7 @@ class SkillSelection:
 
     @property
     def performance(self) -> np.ndarray:
-        """v_i, float (k,): moving average of 1 / length; an unused skill has the best v so far, 1 before any episode."""
+        """v_i, float (k,): moving average of 1 / length; an unused skill has the best v, 1 before any episode."""
         unused = np.isnan(self._performance)
         if unused.all():
             return np.ones(len(unused))
@@ -85,8 +97,7 @@ class SkillSelection:
 
     def draw(self, random: np.random.Generator) -> int:
         """Draw a skill; one uniform number and one loop over the skills."""
-        cumulated = np.cumsum(self.probabilities())
-        return int(min(np.searchsorted(cumulated, random.random(), side="right"), len(cumulated) - 1))
+        return draw_index(self.probabilities(), random)
 
     def record(self, used: Iterable[int], length: int) -> None:
         """Update every skill used in an episode with the episode's length in steps."""

@@ -73,17 +73,16 @@ def write_frequencies(
 def _new_file(
     path: str | os.PathLike[str], kind: str, world: GridWorld, origin: Mapping[str, Any]
 ) -> Iterator[h5py.File]:
-    with atomic_path(path) as temporary:
-        with h5py.File(temporary, "w", libver="v110") as file:
-            file.attrs["format"] = kind
-            for name, value in origin.items():
-                file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
-            file.attrs["map"] = world.text
-            file.attrs["versions"] = json.dumps(
-                {"ptl": ptl.__version__, "numpy": np.__version__, "h5py": h5py.__version__}, sort_keys=True
-            )
-            yield file
-            file.attrs["content"] = content_digest(file)
+    with atomic_path(path) as temporary, h5py.File(temporary, "w", libver="v110") as file:
+        file.attrs["format"] = kind
+        for name, value in origin.items():
+            file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict) else value
+        file.attrs["map"] = world.text
+        file.attrs["versions"] = json.dumps(
+            {"ptl": ptl.__version__, "numpy": np.__version__, "h5py": h5py.__version__}, sort_keys=True
+        )
+        yield file
+        file.attrs["content"] = content_digest(file)
 
 
 def _write_task(group: h5py.Group, record: TaskRecord) -> None:

@@ -103,7 +103,7 @@ def _impossible_selection(name: str, task: TaskView, episodes: int, options: int
     selected, offsets = task.selected, task.selected_offsets
     if len(offsets) != episodes + 1 or offsets[0] != 0 or (np.diff(offsets) < 0).any() or offsets[-1] != len(selected):
         yield f"task {name}: the skills drawn do not fit the episodes"
-    elif len(selected) and not (0 <= selected.min() and selected.max() < options):
+    elif len(selected) and (selected.min() < 0 or selected.max() >= options):
         yield f"task {name}: a skill was drawn that did not exist yet"
 
 

@@ -10,10 +10,10 @@ import oracles
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ptl._kernel import Dynamics, Learner
 from reference import ReferenceLearner, erase_loops
 from scipy import stats
 
+from ptl._kernel import Dynamics, Learner
 from ptl.gridworld import GridWorld
 
 HITTING_TIMES = {  # section "what to expect": mean length of a first episode of tasks A..F

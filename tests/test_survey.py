@@ -79,7 +79,7 @@ def test_counts_add_up_and_do_not_depend_on_batches():
 
 
 def test_survey_refuses_what_does_not_succeed():
-    with pytest.raises(UserError, match="learning.max_steps"):
+    with pytest.raises(UserError, match=r"learning\.max_steps"):
         subgoal_frequencies(ROOMS, [0], 5, Learning(max_steps=1), 1, "rooms")
 
 

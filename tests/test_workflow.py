@@ -94,7 +94,8 @@ def test_smoke_makes_every_product(smoke):
     for environment in ("env1", "env2", "env3"):
         for method in SMOKE_METHODS:
             for seed in range(2):
-                with h5py.File(smoke.folder / f"results/smoke/learning/{environment}/{method}/seed_{seed:03d}.h5") as file:
+                path = smoke.folder / f"results/smoke/learning/{environment}/{method}/seed_{seed:03d}.h5"
+                with h5py.File(path) as file:
                     assert list(file["tasks"]) == list("ABCDEF")
         with h5py.File(smoke.folder / f"results/smoke/subgoal_frequencies/{environment}.h5") as file:
             assert file["counts"][()].sum() + file["unresolved"][()] == file["pairs"][()] > 0

@@ -19,7 +19,7 @@ def command(files: tuple[Path, ...], output: Path) -> None:
     from ptl.files import write_csv
     from ptl.store import GROWTH, open_result
 
-    rows = []
+    rows: list[tuple[int, int, int]] = []
     for path in files:
         with open_result(path, GROWTH) as result:
             run = int(result.file.attrs["seed"])

@@ -16,9 +16,10 @@ def command(maps: tuple[Path, ...]) -> None:
     for path in maps:
         world = load_map(path)
         rows, columns = world.shape
-        click.echo(f"{path}: {rows} x {columns} cells, {world.n_states} states, diagonal {world.diagonal:.1f} (rows and columns count from 0)")
+        click.echo(f"{path}: {rows} x {columns} cells, {world.n_states} states, diagonal {world.diagonal:.1f}")
         click.echo(world.text)
         row, column = world.cells[world.start]
+        click.echo("places as row and column, counted from 0:")
         click.echo(f"start I  at row {row}, column {column}")
         for letter, goal in world.goals.items():
             row, column = world.cells[goal]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import click
@@ -42,7 +43,7 @@ def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> No
     if not files:
         raise UserError(f"{paths[0]}: no HDF5 file there; name result files or folders of them")
     damaged = 0
-    with click.progressbar(files, label="Verifying", file=click.get_text_stream("stderr")) as bar:
+    with click.progressbar(files, label="Verifying", file=sys.stderr) as bar:
         for path in bar:
             faults = faults_of(path, current_code=not any_code)
             damaged += bool(faults)

@@ -1,7 +1,7 @@
 """How arrays are packed into the page: varints and little-endian bytes, as base64 text.
 
-The scripts unpack them in ``web/decode.js``. Only what the functions name is lost. The page is kept small, because
-Chromium shows it inside the report only up to 1.5 MB (2 MiB as a data address).
+The scripts unpack them in ``web/decode.js``. Only what the functions name is lost. The page is kept small,
+because Chromium shows it inside the report only up to 1.5 MB (2 MiB as a data address).
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def shares(values: np.ndarray) -> str:
 def share_rows(rows: np.ndarray) -> str:
     """A table of numbers in [0, 1] in steps of 1 / `SHARE_STEPS`, as varints.
 
-    The number of columns comes first; then, row by row, the change against the row before (the first against 0),
-    with changes 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
+    The number of columns comes first; then, row by row, the change against the row before (the first against
+    0), with changes 0, -1, 1, -2, ... as 0, 1, 2, 3, ...
     """
     counts = np.rint(np.asarray(rows) * SHARE_STEPS).astype(np.int64)
     changes = np.diff(counts, axis=0, prepend=0).ravel()
@@ -43,9 +43,9 @@ def share_rows(rows: np.ndarray) -> str:
 
 
 def actions(policy: np.ndarray) -> str:
-    """A policy, actions 0 to 3 or -1 where undefined, three to a byte: action + 1 as digits of base 5, low first.
+    """A policy, actions 0 to 3 or -1 where undefined, three to a byte: action + 1 as digits of base 5.
 
-    Up to two undefined states are added at the end.
+    The first state has the lowest digit. Up to two undefined states are added at the end.
     """
     digits = np.asarray(policy, dtype=np.int64) + 1
     digits = np.pad(digits, (0, -len(digits) % 3)).reshape(-1, 3)
@@ -65,7 +65,7 @@ def varints(numbers: Iterable[int]) -> str:
 
 
 def _sparse(present: np.ndarray, values: np.ndarray) -> str:
-    """Varints: lengths of the runs of absent and present values in turn, absent first; a stop; present values."""
+    """Varints, the lengths of runs of absent and present values in turn; a stop; the present values."""
     edges = np.flatnonzero(np.diff(present, prepend=False)).tolist()
     runs = np.diff([0, *edges, len(present)])
     return f"{varints(runs.tolist())}.{_text(values.tobytes())}"

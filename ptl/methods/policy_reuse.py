@@ -9,6 +9,7 @@ from ptl.gridworld import GridWorld
 from ptl.methods._base import BaseMethod
 from ptl.parameters import Parameters
 from ptl.policies import greedy_policy
+from ptl.selection import draw_index
 
 
 class Method(BaseMethod):
@@ -34,7 +35,7 @@ class Method(BaseMethod):
 
     def run_episode(self, learner: Learner) -> list[int]:
         reuse = self.parameters.policy_reuse
-        arm = self._draw_arm()
+        arm = draw_index(self.arm_probabilities(), self.random)
         if arm == 0:
             learner.explore(epsilon=0.0)
         else:
@@ -53,7 +54,3 @@ class Method(BaseMethod):
         """Probability of each arm in the next episode, float (1 + earlier tasks,)."""
         weights = np.exp(self._temperature * (self._gain - self._gain.max()))
         return weights / weights.sum()
-
-    def _draw_arm(self) -> int:
-        cumulated = np.cumsum(self.arm_probabilities())
-        return int(min(np.searchsorted(cumulated, self.random.random(), side="right"), len(cumulated) - 1))

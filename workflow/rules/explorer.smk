@@ -2,7 +2,7 @@
 
 from ptl.explorer.page import source_digest
 
-# A few seeds show how much runs differ; all of them would make the page ten times as large.
+# A few seeds show how much runs differ. Chromium shows a page inside the report only up to 1.5 MB.
 EXPLORER_SEEDS = list(SEEDS)[:3]
 
 
