@@ -47,8 +47,9 @@ build: .venv/.built  ## Install the package into .venv and compile its kernel.
 .venv/.built: $(RUN_TOOLS) $(SOURCES)
 	@command -v $${CC:-cc} >/dev/null || { \
 	  echo "error: no C compiler found; ptl needs one (on Debian or Ubuntu: apt-get install build-essential)" >&2; exit 1; }
-	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --editable . || { \
-	  echo "error: the package could not be built; see the lines above" >&2; exit 1; }
+	@echo "Building ptl"
+	@.venv/bin/python -m pip install --no-deps --no-build-isolation --editable . > .venv/build.log 2>&1 || { \
+	  cat .venv/build.log; echo "error: the package could not be built; see the lines above" >&2; exit 1; }
 	@touch $@
 
 $(RUN_TOOLS): requirements.lock

@@ -21,9 +21,7 @@ from ptl.files import atomic_path
 from ptl.store import content_digest
 
 
-def write_arrays(
-    path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]
-) -> None:
+def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> None:
     """Write arrays by name (slashes make groups).
 
     Parameters

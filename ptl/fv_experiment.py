@@ -83,8 +83,7 @@ class Arm:
 
 
 ARMS = {
-    arm.name: arm
-    for arm in (Arm((), None), Arm((2, 3, 4), 0.07), Arm((1, 2, 3, 4), 0.25), Arm((2, 3, 4, 5), 0.275))
+    arm.name: arm for arm in (Arm((), None), Arm((2, 3, 4), 0.07), Arm((1, 2, 3, 4), 0.25), Arm((2, 3, 4, 5), 0.275))
 }
 """The curves by name, with the values read off FV's figure."""
 
@@ -185,9 +184,7 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
     starts = np.flatnonzero(distance > 0)
     state = starts.copy()
     gain = np.zeros(len(starts))
-    successors = np.where(
-        policy >= 0, world.successors[np.arange(world.n_states), policy], np.arange(world.n_states)
-    )
+    successors = np.where(policy >= 0, world.successors[np.arange(world.n_states), policy], np.arange(world.n_states))
     for step in range(MAX_STEPS):
         before = state
         state = np.where(state == goal, goal, successors[state])

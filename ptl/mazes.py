@@ -1,8 +1,8 @@
 """Maps of any size made by rule or by chance: chains of rooms, walls set at random, rooms cut at random.
 
-Our choice throughout; the article has three fixed maps. These serve the tests and the measurements of how cost grows.
-Map texts have ``#`` for a wall, ``.`` for a free cell, ``I`` for the start and letters for goals. Every map joins its
-start to all of its goals; open grids may keep free cells that no path leads to.
+Our choice throughout; the article has three fixed maps. These serve the tests and the measurements of how the cost
+grows. A map text has ``#`` for a wall, ``.`` for a free cell, ``I`` for the start and letters for goals. Every map
+joins its start to all of its goals; open grids may keep free cells that no path leads to.
 """
 
 from __future__ import annotations

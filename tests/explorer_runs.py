@@ -32,9 +32,7 @@ def origin(environment: str, method: str, seed: int, parameters: Parameters = PA
     }
 
 
-def learn(
-    environment: str, method: str, seed: int, parameters: Parameters = PARAMETERS
-) -> tuple[Life, GridWorld]:
+def learn(environment: str, method: str, seed: int, parameters: Parameters = PARAMETERS) -> tuple[Life, GridWorld]:
     world = GridWorld.from_text(MAPS[environment], environment)
     tasks = tasks_of(world, "".join(world.goals))
     return learn_life(world, tasks, method, parameters, 5, environment, seed), world

@@ -113,9 +113,7 @@ def test_shares_within_half_a_step(values):
     )
 )
 def test_rows_of_shares_within_half_a_step(rows):
-    np.testing.assert_allclose(
-        unpack_rows(encoding.share_rows(rows)), rows, atol=0.5001 / encoding.SHARE_STEPS
-    )
+    np.testing.assert_allclose(unpack_rows(encoding.share_rows(rows)), rows, atol=0.5001 / encoding.SHARE_STEPS)
 
 
 @given(st.lists(st.integers(-1, 3)))
@@ -156,9 +154,7 @@ def test_every_array_is_that_of_the_file(data, paths):
                 np.testing.assert_allclose(unpack(stored["value"], "<f4"), task.q.max(axis=1), rtol=4e-5)
                 np.testing.assert_allclose(unpack(stored["metric"], "<u2"), task.incremental, atol=8e-6)
                 drawn = [task.selected_in(episode) for episode in range(len(task.steps))]
-                assert unpack_varints(stored["drawn"]) == [
-                    number for draw in drawn for number in (len(draw), *draw)
-                ]
+                assert unpack_varints(stored["drawn"]) == [number for draw in drawn for number in (len(draw), *draw)]
                 for key in ("name", "start", "goal", "subgoal", "reason"):
                     assert stored[key] == getattr(task, key)
             for stored, skill in zip(run["skills"], file.library or [], strict=True):
@@ -182,6 +178,14 @@ def test_only_full_transfer_starts_from_earlier_values(data, paths):
 
 
 # -- probabilities ------------------------------------------------------------------------------------------
+
+
+def test_two_arms_in_an_episode_are_refused(tmp_path):
+    life, world = learn("chain", "policy_reuse", 0)
+    life.records[1].selected[4] = [1, 0]
+    write_learning(tmp_path / "odd.h5", life, world, origin("chain", "policy_reuse", 0))
+    with pytest.raises(UserError, match=r"draws \[1, 0\] of 2 candidates, which policy_reuse does not make"):
+        collect([tmp_path / "odd.h5"])
 
 
 @pytest.mark.parametrize(
@@ -323,9 +327,7 @@ def test_no_text_of_a_file_can_end_the_data(data):
 
 
 def test_every_script_is_joined_once():
-    assert sorted((*page.PURE_MODULES, *page.VIEW_MODULES)) == sorted(
-        path.name for path in page.WEB.glob("*.js")
-    )
+    assert sorted((*page.PURE_MODULES, *page.VIEW_MODULES)) == sorted(path.name for path in page.WEB.glob("*.js"))
     assert not re.search(r"^(import|export)\b", page.bundle(), re.MULTILINE)
 
 

@@ -80,9 +80,7 @@ class Page:
             "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
         )
         self.driver.get("about:blank")  # a change of the fragment alone would not load the page anew
-        self.driver.get(
-            self.address + "#" + "&".join(f"{key}={quote(str(value))}" for key, value in view.items())
-        )
+        self.driver.get(self.address + "#" + "&".join(f"{key}={quote(str(value))}" for key, value in view.items()))
         return self
 
     def find(self, selector):
@@ -165,9 +163,7 @@ def compute(browser, expression, *arguments):
 def test_world_is_that_of_python(browser, published_maps):
     for name, world in published_maps.items():
         goal = world.goals["F"]
-        expression = (
-            "((world) => ({...world, to: distancesTo(world, arguments[1])}))(parseWorld(arguments[0]))"
-        )
+        expression = "((world) => ({...world, to: distancesTo(world, arguments[1])}))(parseWorld(arguments[0]))"
         shown = compute(browser, expression, world.text, goal)
         assert shown["cells"] == world.cells.tolist(), name
         assert shown["successors"] == world.successors.ravel().tolist()
@@ -210,11 +206,11 @@ SIMULATE = """(() => {
 })()"""
 
 
-@pytest.mark.parametrize("kind", ["explore", "skills", "reuse"])
-def test_an_unguided_first_episode_is_a_random_walk(browser, kind):
+@pytest.mark.parametrize(("kind", "epsilon"), [("explore", 0.1), ("explore", 1.0), ("skills", 0.1), ("reuse", 0.1)])
+def test_an_unguided_first_episode_is_a_random_walk(browser, kind, epsilon):
     world = GridWorld.from_text("I....\n.##..\n....A\n")
     count = 4000
-    options = {"kind": kind, "parameters": Parameters().to_dict()}
+    options = {"kind": kind, "parameters": Parameters().replace(learning__epsilon=epsilon).to_dict()}
     lengths = np.array(compute(browser, SIMULATE, world.text, options, count))
     mean, deviation = hitting_time(world.successors, world.start, world.goals["A"])
     assert abs(lengths.mean() - mean) < 4 * deviation / np.sqrt(count)
@@ -315,9 +311,7 @@ def test_value_and_action_of_a_cell(page, read, place):
         path = [task.start]
         for action in path_towards(world, task.start, task.goal):
             path.append(int(world.successors[path[-1], action]))
-    state = {"beside the goal": path[-2], "on the way": path[len(path) // 2], "beside the start": path[1]}[
-        place
-    ]
+    state = {"beside the goal": path[-2], "on the way": path[len(path) // 2], "beside the start": path[1]}[place]
     spoken = page.read_cell(stage, state, world)
     assert page.text(f"#stage{stage} .cell") == spoken
     assert spoken.startswith("Row {}, column {}: value ".format(*world.cells[state]))
@@ -588,9 +582,7 @@ def test_walls_are_drawn_as_walls_and_cells_by_their_value(page, read):
     beside = int(world.successors[task.goal, 2])
     places = [[0, 0], [int(part) for part in np.argwhere(world.walls)[-1]], world.cells[beside].tolist()]
     wall, other_wall, cell = page.run(script, places, world.shape[0])
-    expected = page.run(
-        "return getComputedStyle(document.documentElement).getPropertyValue('--wall')"
-    ).strip()
+    expected = page.run("return getComputedStyle(document.documentElement).getPropertyValue('--wall')").strip()
     assert wall == other_wall == [int(expected[i : i + 2], 16) for i in (1, 3, 5)]
     with read("chain", "ptl", 3) as file:
         value = file.tasks["C"].q.max(axis=1)[beside]

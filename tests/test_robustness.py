@@ -114,6 +114,7 @@ def test_every_job_is_one_that_the_learner_accepts(content: dict, config: dict) 
         ("learning.alpha", {"range": [0.1, 0.5], "scale": "cubic"}, "linear or log"),
         ("learning.alpha", {"valeus": [0.1]}, "unknown key 'valeus'"),
         ("learning.alpha", 0.1, "give keys and values"),
+        ("learning.alpha", {"values": 0.1}, "is not a list"),
     ],
 )
 def test_a_wrong_unknown_is_refused_in_one_line(
@@ -329,7 +330,7 @@ STUDY = {
 
 
 def made_up_verdicts() -> pd.DataFrame:
-    """`on_alpha` fails where alpha is high, `on_use` is partly so with lead_in, `always` holds, `never` is undecided."""
+    """`on_alpha` fails where alpha is high, `on_use` is partly so with lead_in; `always` holds, `never` is open."""
     rows = []
     for setting in study_from(STUDY).settings():
         alpha, use = setting.changes.get("learning.alpha", 0.05), setting.changes.get("skills.skill_use", "reselect")
@@ -452,7 +453,9 @@ def test_targeted_pages_put_settings_beside_each_other(verdicts: pd.DataFrame) -
     rows = [
         {"claim": "E3-few", "setting": setting, "group": "", "changes": json.dumps(changes), "environment": "env3",
          "task": "F", "method": method, "episodes": value, "episodes_low": value - 1, "episodes_high": value + 1}
-        for setting, changes, value in (("reference_1", {}, 66.0), ("learning.alpha_0.2", {"learning.alpha": 0.2}, 20.0))
+        for setting, changes, value in (
+            ("reference_1", {}, 66.0), ("learning.alpha_0.2", {"learning.alpha": 0.2}, 20.0),
+        )
         for method in ("policy_reuse", "ptl")
     ]  # fmt: skip
     [page] = pages.target_pages(pd.DataFrame(rows), verdicts, UNKNOWNS)

@@ -18,12 +18,8 @@ def command() -> None:
 @click.option("--map", "map_path", required=True, type=FILE, help="Text file of their map (environment 3).")
 @click.option("--library", required=True, help="library_234, library_1234, library_2345 or q_learning.")
 @click.option("--seeds", required=True, type=click.IntRange(1), help="Number of runs (seeds 0, 1, ...).")
-@click.option(
-    "--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive."
-)
-@click.option(
-    "--trials", default=2000, show_default=True, type=click.IntRange(1), help="Trials on the new task."
-)
+@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--trials", default=2000, show_default=True, type=click.IntRange(1), help="Trials on the new task.")
 @click.option("--library-trials", default=20_000, show_default=True, type=click.IntRange(1),
               help="Trials in which each policy of the library is learned.")  # fmt: skip
 @click.option("--output", required=True, type=FILE, help="HDF5 file to write.")
@@ -39,20 +35,12 @@ def learn(
 
 @command.command("report")
 @click.argument("files", nargs=-1, required=True, type=FILE)
-@click.option(
-    "--output-figure", required=True, type=FILE, help="PNG to write, with an SVG and a CSV beside it."
-)
-@click.option(
-    "--output-table", required=True, type=FILE, help="CSV to write, with a .md and a .html beside it."
-)
+@click.option("--output-figure", required=True, type=FILE, help="PNG to write, with an SVG and a CSV beside it.")
+@click.option("--output-table", required=True, type=FILE, help="CSV to write, with a .md and a .html beside it.")
 @click.option("--confidence", default=0.95, show_default=True, type=click.FloatRange(0, 1, True, True),
               help="Level of intervals.")  # fmt: skip
-@click.option(
-    "--resamples", default=2000, show_default=True, type=click.IntRange(1), help="Bootstrap resamples."
-)
-def report(
-    files: tuple[Path, ...], output_figure: Path, output_table: Path, confidence: float, resamples: int
-) -> None:
+@click.option("--resamples", default=2000, show_default=True, type=click.IntRange(1), help="Bootstrap resamples.")
+def report(files: tuple[Path, ...], output_figure: Path, output_table: Path, confidence: float, resamples: int) -> None:
     """Draw the mean gain against trials from the FILES of `ptl fv learn`, and write its table."""
     from ptl.figures import fv as figure
     from ptl.figures import style

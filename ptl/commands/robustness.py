@@ -16,9 +16,7 @@ def command() -> None:
 
 
 @command.command("learn")
-@click.option(
-    "--job", required=True, help="The setting with all that it needs, as JSON (see `ptl robustness jobs`)."
-)
+@click.option("--job", required=True, help="The setting with all that it needs, as JSON (see `ptl robustness jobs`).")
 @click.option("--output", required=True, type=FILE, help="HDF5 file to write.")
 def learn(job: str, output: Path) -> None:
     """Learn one setting: all environments, methods and seeds, and the growth of the library."""
@@ -29,9 +27,7 @@ def learn(job: str, output: Path) -> None:
 
 @command.command("jobs")
 @click.argument("study", type=FILE)
-@click.option(
-    "--config", "config_path", required=True, type=FILE, help="Configuration of the run, with all its keys."
-)
+@click.option("--config", "config_path", required=True, type=FILE, help="Configuration of the run, with all its keys.")
 def jobs(study: Path, config_path: Path) -> None:
     """Print the job of every setting of STUDY (config/robustness.yaml), one line of JSON each."""
     import yaml
@@ -47,17 +43,11 @@ def jobs(study: Path, config_path: Path) -> None:
 @command.command("judge")
 @click.argument("file", type=FILE)
 @click.option("--window", required=True, type=click.IntRange(min=1), help="As given to `ptl measure`.")
-@click.option(
-    "--threshold-factor", required=True, type=click.FloatRange(min=1), help="As given to `ptl measure`."
-)
-@click.option(
-    "--confidence", required=True, type=click.FloatRange(0, 1, True, True), help="Level of intervals."
-)
+@click.option("--threshold-factor", required=True, type=click.FloatRange(min=1), help="As given to `ptl measure`.")
+@click.option("--confidence", required=True, type=click.FloatRange(0, 1, True, True), help="Level of intervals.")
 @click.option("--resamples", required=True, type=click.IntRange(min=1), help="Bootstrap resamples.")
 @click.option("--output-verdicts", required=True, type=FILE, help="CSV of the verdict on every claim.")
-@click.option(
-    "--output-targets", required=True, type=FILE, help="CSV of the numbers behind claims under suspicion."
-)
+@click.option("--output-targets", required=True, type=FILE, help="CSV of the numbers behind claims under suspicion.")
 def judge(
     file: Path,
     window: int,

@@ -74,9 +74,7 @@ def collect(
             if wanted is None or file.seed in wanted:
                 _add(file, environments, kinds, titles or {})
     if not environments:
-        raise UserError(
-            "no learning file to show; name the files of a run, with the seeds that --seed asks for"
-        )
+        raise UserError("no learning file to show; name the files of a run, with the seeds that --seed asks for")
     _check_complete(environments.values(), wanted)
     return {
         "format": FORMAT,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -75,9 +76,7 @@ def replay(file: LearningFile) -> Iterator[Choices]:
         If the file's draws are not such as its method makes.
     """
     kind = methods.load(file.method)
-    method = _with_stored_draws(kind)(
-        file.world, Parameters.from_dict(file.parameters), np.random.default_rng(0)
-    )
+    method = _with_stored_draws(kind)(file.world, Parameters.from_dict(file.parameters), np.random.default_rng(0))
     for index, task in enumerate(file.tasks.values()):
         if method.library is not None:
             method.library.skills = [skill for skill in file.library or [] if skill.learned_after < index]
@@ -89,22 +88,21 @@ def replay(file: LearningFile) -> Iterator[Choices]:
 
 def _with_stored_draws(kind: type[BaseMethod]) -> type[BaseMethod]:
     class Stored(kind):  # type: ignore[valid-type,misc]
-        """The method, drawing what was drawn."""
+        """The method; within an episode it draws what was drawn."""
 
-        episode: _StoredEpisode
+        episode: Any = None
 
         def draw_skill(self) -> int:
             return self.episode.next_draw()
 
-        def _draw_arm(self) -> int:
-            return self.episode.next_draw()
+        def arm_probabilities(self) -> np.ndarray:
+            chances = super().arm_probabilities()
+            return chances if self.episode is None else np.eye(len(chances))[self.episode.next_draw()]
 
     return Stored
 
 
-def _replay_task(
-    file: LearningFile, task: TaskView, method: BaseMethod, kind: type[BaseMethod]
-) -> np.ndarray | None:
+def _replay_task(file: LearningFile, task: TaskView, method: BaseMethod, kind: type[BaseMethod]) -> np.ndarray | None:
     history = []
     offsets, selected = task.selected_offsets, task.selected
     for number, (steps, truncated) in enumerate(zip(task.steps, task.truncated, strict=True)):
@@ -113,14 +111,20 @@ def _replay_task(
             return None
         history.append(now)
         drawn = selected[offsets[number] : offsets[number + 1]].tolist()
-        method.episode = _StoredEpisode(drawn, int(steps), bool(truncated))  # type: ignore[attr-defined]
-        if not drawn or min(drawn) < 0 or max(drawn) >= len(now):
+        possible = drawn and min(drawn) >= 0 and max(drawn) < len(now)
+        if not possible or _run(method, _StoredEpisode(drawn, int(steps), bool(truncated))) != drawn:
             raise UserError(
                 f"{file.file.filename}: task {task.name}, episode {number + 1} holds the draws {drawn} of"
-                f" {len(now)} candidates; make the file again"
+                f" {len(now)} candidates, which {file.method} does not make; make the file again"
             )
-        method.run_episode(method.episode)  # type: ignore[attr-defined]
     return np.array(history)
+
+
+def _run(method: Any, episode: _StoredEpisode) -> list[int]:
+    method.episode = episode
+    drawn = method.run_episode(episode)
+    method.episode = None
+    return drawn
 
 
 def probabilities(method: BaseMethod, kind: type[BaseMethod]) -> np.ndarray | None:

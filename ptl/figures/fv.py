@@ -62,9 +62,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     ends = []
     for arm, part in frame.groupby("arm", sort=False):
         colour = baseline if arm == "q_learning" else next(colours)
-        axes.fill_between(
-            part["trials"], part["ci_low"], part["ci_high"], color=colour, alpha=0.2, linewidth=0
-        )
+        axes.fill_between(part["trials"], part["ci_low"], part["ci_high"], color=colour, alpha=0.2, linewidth=0)
         axes.plot(part["trials"], part["gain"], color=colour)
         end = part.iloc[-1]
         if np.isfinite(end["published"]):

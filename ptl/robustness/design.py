@@ -61,11 +61,7 @@ class Unknown:
             return self.options[int(share * len(self.options))]
         assert self.low is not None and self.high is not None
         # a whole number owns half a unit on both sides, so that the ends are as likely as the rest
-        low, high = (
-            (self.low - 0.5, self.high + 0.5)
-            if self.whole and not self.logarithmic
-            else (self.low, self.high)
-        )
+        low, high = (self.low - 0.5, self.high + 0.5) if self.whole and not self.logarithmic else (self.low, self.high)
         value = low * (high / low) ** share if self.logarithmic else low + share * (high - low)
         return int(np.clip(round(value), self.low, self.high)) if self.whole else float(f"{value:.4g}")
 
@@ -139,9 +135,7 @@ def read_study(path: str | Path) -> Study:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise UserError(
-            f"{path}: cannot be read as YAML ({str(error).splitlines()[0]}); correct the file"
-        ) from error
+        raise UserError(f"{path}: cannot be read as YAML ({str(error).splitlines()[0]}); correct the file") from error
     try:
         return study_from(content)
     except UserError as error:
@@ -157,7 +151,7 @@ def study_from(content: Any) -> Study:
     growth, hypercube = content["growth"], content["latin_hypercube"]
     _only(growth, ("tasks", "runs"), "growth")
     _only(hypercube, ("settings", "seed"), "latin_hypercube")
-    _only(content["unknowns"], tuple(content["unknowns"]), "unknowns")
+    _mapping(content["unknowns"], "unknowns")
     unknowns = {key: _unknown(key, entry) for key, entry in content["unknowns"].items()}
     return Study(
         unknowns,
@@ -175,11 +169,11 @@ def _unknown(key: str, entry: Any) -> Unknown:
     _only(entry, UNKNOWN_KEYS, f"unknowns.{key}")
     group, dot, name = key.partition(".")
     if not (group and dot and name):
-        raise UserError(
-            f"key unknowns.{key}: is not of the form group.key; name a hyper-parameter or a change of map"
-        )
-    values = tuple(entry.get("values", ()))
-    options = tuple(entry.get("options", ()))
+        raise UserError(f"key unknowns.{key}: is not of the form group.key; name a hyper-parameter or a change of map")
+    for name_of_list in ("values", "options"):
+        if not isinstance(entry.get(name_of_list, []), list):
+            raise UserError(f"key unknowns.{key}.{name_of_list}: {entry[name_of_list]!r} is not a list; give one")
+    values, options = tuple(entry.get("values", ())), tuple(entry.get("options", ()))
     scale = entry.get("scale", "linear")
     if scale not in ("linear", "log"):
         raise UserError(f"key unknowns.{key}.scale: {scale!r} is not allowed; give linear or log")
@@ -206,19 +200,21 @@ def _range(key: str, ends: Any, positive: bool) -> tuple[float, float]:
 
 
 def _only(given: Any, known: Sequence[str], where: str) -> None:
-    if not isinstance(given, Mapping):
-        raise UserError(f"{where}: give keys and values, not {given!r}")
+    _mapping(given, where)
     for key in given:
         if key not in known:
             raise UserError(f"{where}: unknown key {key!r}; known are {', '.join(known)}")
 
 
+def _mapping(given: Any, where: str) -> None:
+    if not isinstance(given, Mapping):
+        raise UserError(f"{where}: give keys and values, not {given!r}")
+
+
 def _whole(given: Mapping[str, Any], key: str, least: int, prefix: str = "") -> int:
     value = given.get(key)
     if type(value) is not int or value < least:
-        raise UserError(
-            f"key {prefix}{key}: {value!r} is not allowed; give a whole number of at least {least}"
-        )
+        raise UserError(f"key {prefix}{key}: {value!r} is not allowed; give a whole number of at least {least}")
     return value
 
 
@@ -246,9 +242,7 @@ def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[st
         elif group in environments:
             environments[group]["changes"][name] = value
         else:
-            raise UserError(
-                f"unknowns.{key}: environment {group} is not in this run ({', '.join(environments)})"
-            )
+            raise UserError(f"unknowns.{key}: environment {group} is not in this run ({', '.join(environments)})")
     return {
         "setting": setting.name,
         "group": setting.group,

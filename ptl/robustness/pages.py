@@ -26,9 +26,7 @@ def share_page(shares: pd.DataFrame, settings: pd.DataFrame) -> Page:
         agreement = f"{row['reference']} ({row['agreement']:.0%})"
         cells = [row["claim"], agreement]
         for group in GROUPS[1:]:
-            parts = [
-                row[f"{group}_{verdict}"] for verdict in ("reproduced", "partly_reproduced", "not_reproduced")
-            ]
+            parts = [row[f"{group}_{verdict}"] for verdict in ("reproduced", "partly_reproduced", "not_reproduced")]
             cells.append(" / ".join(DASH if np.isnan(part) else f"{part:.0%}" for part in parts))
         cells += [row[name] or DASH for name in ("hangs_on", "flipped_by", "associated_with")]
         rows.append(cells)
@@ -95,9 +93,7 @@ def unknown_page(table: pd.DataFrame) -> Page:
     )
 
 
-def target_pages(
-    targets: pd.DataFrame, verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]
-) -> Iterator[Page]:
+def target_pages(targets: pd.DataFrame, verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> Iterator[Page]:
     """One page for each claim with targeted experiments, a row a setting."""
     judged = verdicts.set_index(["setting", "claim"])["verdict"]
     for target in TARGETS:
@@ -112,9 +108,7 @@ def target_pages(
         for setting, part in main.groupby("setting", sort=False):
             changes = json.loads(part["changes"].iloc[0])
             numbers = part.set_index(column)
-            cells = [
-                _with_interval(numbers.loc[name], jump) if name in numbers.index else DASH for name in names
-            ]
+            cells = [_with_interval(numbers.loc[name], jump) if name in numbers.index else DASH for name in names]
             label = changed_text(changes, unknowns) or str(setting).replace("_", " ")
             rows.append((label, str(judged.get((setting, target.claim), DASH)), *cells))
         yield _target_page(target, names, rows, jump, unit)
@@ -127,9 +121,7 @@ def _with_interval(row: pd.Series, jump: bool) -> str:
     return f"{row['episodes']:.1f} [{row['episodes_low']:.1f}, {row['episodes_high']:.1f}]"
 
 
-def _target_page(
-    target: Target, names: list[str], rows: list[tuple[str, ...]], jump: bool, unit: str
-) -> Page:
+def _target_page(target: Target, names: list[str], rows: list[tuple[str, ...]], jump: bool, unit: str) -> Page:
     if jump:
         what = "Jump start of ptl in % of the mean first episode without transfer, by task, with intervals."
         columns = tuple(f"task {name}" for name in names)

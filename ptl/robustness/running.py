@@ -58,8 +58,7 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
     try:
         parameters = Parameters.from_dict(job["parameters"])
         raw.worlds = {
-            name: changed_world(load_map(entry["map"]), entry["changes"])
-            for name, entry in job["environments"].items()
+            name: changed_world(load_map(entry["map"]), entry["changes"]) for name, entry in job["environments"].items()
         }
         for name, entry in job["environments"].items():
             for method in job["methods"]:
@@ -67,18 +66,14 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
         _grow(raw, job, parameters)
     except Exception as error:  # a setting that fails is a result of the study, not the end of it
         traceback.print_exc(file=sys.stderr)
-        raw.remarks.append(
-            f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}"
-        )
+        raw.remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
     origin = {
         "setting": job["setting"],
         "root_seed": job["root_seed"],
         "job": dict(job),
         "maps": {name: world.text for name, world in raw.worlds.items()},
         "status": "; ".join(raw.remarks) or COMPLETE,
-        "code": code_digest(
-            "ptl.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]
-        ),
+        "code": code_digest("ptl.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]),
     }
     write_arrays(output, FORMAT, raw.arrays, origin)
 
@@ -136,13 +131,9 @@ def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:
     sizes = []
     for run in range(job["growth"]["runs"]):
         names = (STREAM, job["setting"], "growth", environment, run)
-        tasks = random_tasks(
-            world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks")
-        )
+        tasks = random_tasks(world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks"))
         life = learn_life(world, tasks, GROWTH_METHOD, parameters, job["root_seed"], *names)
-        sizes.append(
-            np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])])
-        )
+        sizes.append(np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])]))
     raw.arrays["growth/library_size"] = np.array(sizes, dtype=np.int64)
 
 

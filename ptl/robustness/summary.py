@@ -105,13 +105,7 @@ def value_text(value: object) -> str:
     """A value as it stands in a table."""
     if isinstance(value, list | tuple):
         return f"({', '.join(map(str, value))})"
-    return (
-        str(value).lower()
-        if isinstance(value, bool)
-        else f"{value:g}"
-        if isinstance(value, float)
-        else str(value)
-    )
+    return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def most_common(verdicts: pd.Series) -> str:
@@ -289,8 +283,6 @@ def unknown_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd
             }
         )
     frame = pd.DataFrame(rows)
-    order = frame.assign(
-        total=frame["claims_flipped"] + frame["claims_associated"], top=frame["strongest"].fillna(0)
-    )
+    order = frame.assign(total=frame["claims_flipped"] + frame["claims_associated"], top=frame["strongest"].fillna(0))
     frame = frame.loc[order.sort_values(["total", "top"], ascending=False, kind="stable").index]
     return frame.reset_index(drop=True).rename_axis("rank").reset_index().assign(rank=lambda f: f["rank"] + 1)

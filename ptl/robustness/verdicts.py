@@ -72,9 +72,7 @@ def load_setting(path: str | Path, window: int, threshold_factor: float, how: Re
     for environment, method in runs:
         world = worlds[environment]
         own = {
-            key.rpartition("/")[2]: value
-            for key, value in arrays.items()
-            if key.startswith(f"{environment}/{method}/")
+            key.rpartition("/")[2]: value for key, value in arrays.items() if key.startswith(f"{environment}/{method}/")
         }
         base = arrays.get(f"{environment}/{BASE}/steps")
         for index, letter in enumerate(letters[environment]):
@@ -88,9 +86,7 @@ def load_setting(path: str | Path, window: int, threshold_factor: float, how: Re
             if "subgoal" in own:
                 subgoals.append(_subgoals(own, index, world).assign(**names))
     evidence = Evidence(
-        per_seed=pd.concat(per_seed, ignore_index=True)[list(measures.PER_SEED_COLUMNS)]
-        if per_seed
-        else _nothing(),
+        per_seed=pd.concat(per_seed, ignore_index=True)[list(measures.PER_SEED_COLUMNS)] if per_seed else _nothing(),
         worlds=worlds,
         steps=curves,
         subgoals=pd.concat(subgoals, ignore_index=True)[list(measures.SUBGOAL_COLUMNS)] if subgoals else None,
@@ -112,9 +108,7 @@ def _total(arrays: Mapping[str, np.ndarray], ending: str) -> int:
     return sum(int(array.sum()) for name, array in arrays.items() if name.endswith(ending))
 
 
-def _measures(
-    steps: np.ndarray, base: np.ndarray | None, shortest: int, window: int, factor: float
-) -> pd.DataFrame:
+def _measures(steps: np.ndarray, base: np.ndarray | None, shortest: int, window: int, factor: float) -> pd.DataFrame:
     # a base that was given up has fewer seeds: then nothing is compared
     jump = ratio = np.full(len(steps), np.nan)
     if base is not None and len(base) == len(steps):
@@ -145,9 +139,7 @@ def _subgoals(own: Mapping[str, np.ndarray], index: int, world: GridWorld) -> pd
             "incremental_peak": own["incremental_peak"][:, index],
             "original_peak": own["original_peak"][:, index],
         }
-    ).assign(
-        row=lambda f: f["row"].mask(f["subgoal"] < 0), column=lambda f: f["column"].mask(f["subgoal"] < 0)
-    )
+    ).assign(row=lambda f: f["row"].mask(f["subgoal"] < 0), column=lambda f: f["column"].mask(f["subgoal"] < 0))
 
 
 def _growth(sizes: np.ndarray) -> pd.DataFrame:

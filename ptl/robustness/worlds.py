@@ -52,8 +52,7 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
     rows = [list(line.replace("I", ".")) for line in world.text.splitlines()]
     if not (0 <= row < len(rows) and 0 <= column < len(rows[0]) and rows[row][column] == "."):
         raise UserError(
-            f"{world.name}: row {row}, column {column} (from 0) is not a free cell without a goal;"
-            " choose another start"
+            f"{world.name}: row {row}, column {column} (from 0) is not a free cell without a goal; choose another start"
         )
     rows[row][column] = "I"
     return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", name=world.name)

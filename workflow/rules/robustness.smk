@@ -6,8 +6,6 @@ from functools import cache
 from ptl.robustness.design import job_of, read_study
 
 STUDY = config.get("robustness", {}).get("study", "config/robustness.yaml")
-ROBUSTNESS = "<results>/robustness"
-ROBUSTNESS_REPORT = "<reports>/robustness"
 
 
 @cache
@@ -26,9 +24,9 @@ rule learn_setting:
     input:
         [environment["map"] for environment in config["environments"].values()],
     output:
-        ROBUSTNESS + "/{setting}.h5",
+        "<results>/robustness/{setting}.h5",
     log:
-        "logs/" + ROBUSTNESS + "/{setting}.log",
+        "<logs>/robustness/{setting}.log",
     wildcard_constraints:
         setting="[a-z0-9_.]+",
     conda:
@@ -48,12 +46,12 @@ rule learn_setting:
 
 rule judge_setting:
     input:
-        ROBUSTNESS + "/{setting}.h5",
+        "<results>/robustness/{setting}.h5",
     output:
-        verdicts=ROBUSTNESS + "/{setting}.verdicts.csv",
-        targets=ROBUSTNESS + "/{setting}.targets.csv",
+        verdicts="<results>/robustness/{setting}.verdicts.csv",
+        targets="<results>/robustness/{setting}.targets.csv",
     log:
-        "logs/" + ROBUSTNESS + "/{setting}.judge.log",
+        "<logs>/robustness/{setting}.judge.log",
     wildcard_constraints:
         setting="[a-z0-9_.]+",
     conda:
@@ -75,21 +73,21 @@ rule report_robustness:
     input:
         study=STUDY,
         verdicts=lambda wildcards: [
-            f"{ROBUSTNESS}/{name}.verdicts.csv" for name in robustness_jobs()
+            f"<results>/robustness/{name}.verdicts.csv" for name in robustness_jobs()
         ],
         targets=lambda wildcards: [
-            f"{ROBUSTNESS}/{name}.targets.csv" for name in robustness_jobs()
+            f"<results>/robustness/{name}.targets.csv" for name in robustness_jobs()
         ],
     output:
         png=report(
-            ROBUSTNESS_REPORT + "/heat_map.png",
+            "<reports>/robustness/heat_map.png",
             caption="../report/robustness.rst",
             category="5 Robustness",
             labels={"item": "Robustness", "shows": "every claim in every setting"},
         ),
-        twins=multiext(ROBUSTNESS_REPORT + "/heat_map", ".svg", ".csv"),
+        twins=multiext("<reports>/robustness/heat_map", ".svg", ".csv"),
         share=report(
-            ROBUSTNESS_REPORT + "/share.html",
+            "<reports>/robustness/share.html",
             caption="../report/robustness.rst",
             category="5 Robustness",
             labels={
@@ -98,13 +96,13 @@ rule report_robustness:
             },
         ),
         unknowns=report(
-            ROBUSTNESS_REPORT + "/unknowns.html",
+            "<reports>/robustness/unknowns.html",
             caption="../report/robustness.rst",
             category="5 Robustness",
             labels={"item": "Robustness", "shows": "unknowns ranked"},
         ),
         tables=expand(
-            ROBUSTNESS_REPORT + "/{table}",
+            "<reports>/robustness/{table}",
             table=[
                 "share.csv",
                 "share.md",
@@ -117,12 +115,12 @@ rule report_robustness:
             ],
         ),
     log:
-        "logs/" + ROBUSTNESS + "/report.log",
+        "<logs>/robustness/report.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=ROBUSTNESS,
-        output=ROBUSTNESS_REPORT,
+        folder=lambda wildcards, input: os.path.dirname(input.verdicts[0]),
+        output=lambda wildcards, output: os.path.dirname(output.png),
         code=code_digest(
             "ptl.commands.robustness",
             "ptl.robustness.summary",

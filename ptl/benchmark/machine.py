@@ -1,0 +1,59 @@
+"""The machine of a measurement, so that numbers are not quoted without it. Neither its name nor its user."""
+
+from __future__ import annotations
+
+import os
+import platform
+import sys
+from importlib import metadata
+from pathlib import Path
+
+PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "mushroom-rl")
+
+
+def describe() -> dict[str, str]:
+    """Processor, cores, memory, system, Python, the packages that matter, and how busy the machine is."""
+    return {
+        "processor": processor(),
+        "cores": str(os.cpu_count()),
+        "memory": f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.1f} GiB",
+        "system": f"{platform.system()} {platform.machine()}",
+        "Python": f"{platform.python_implementation()} {platform.python_version()}",
+        "packages": ", ".join(f"{name} {version}" for name, version in versions().items()),
+        "load before": f"{os.getloadavg()[0]:.2f} (1-minute average; 0 is an idle machine)",
+    }
+
+
+def processor() -> str:
+    """Model of the processor."""
+    if sys.platform == "linux":
+        for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
+            if line.startswith("model name"):
+                return line.partition(":")[2].strip()
+    return platform.processor() or platform.machine()
+
+
+def versions() -> dict[str, str]:
+    """Versions of the packages that are installed among `PACKAGES`."""
+    found = {}
+    for name in PACKAGES:
+        try:
+            found[name] = metadata.version(name)
+        except metadata.PackageNotFoundError:
+            found[name] = "not installed"
+    return found
+
+
+def peak_mebibytes() -> float:
+    """Most memory that this process has had in RAM so far, in MiB.
+
+    On Linux from VmHWM: the maximum of ``getrusage`` is inherited from the process that started this one.
+    """
+    if sys.platform == "linux":
+        for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) / 1024
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak / (2**20 if sys.platform == "darwin" else 2**10)
