@@ -25,7 +25,7 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 	$(SNAKEMAKE) --configfile config/smoke.yaml --report reports/smoke/report.html
 
 test: $(TEST_TOOLS) build  ## The quick test suite.
-	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow"
+	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
 
 test-all: $(TEST_TOOLS) build  ## The whole test suite.
 	.venv/bin/python -m pytest -q -n $(CORES)

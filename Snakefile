@@ -21,6 +21,7 @@ include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/fernandez_veloso.smk"
+include: "workflow/rules/explorer.smk"
 include: "workflow/rules/products.smk"
 
 
@@ -32,6 +33,7 @@ localrules:
     tables,
     figures,
     claims,
+    explorer,
 
 
 rule all:
@@ -41,5 +43,6 @@ rule all:
         rules.figures.input,
         rules.claims.input,
         rules.report_fv.output,
+        rules.explorer.input,
         rules.front_page.output,
         rules.manifest.output,

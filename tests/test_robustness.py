@@ -6,6 +6,7 @@ import copy
 import json
 import re
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pandas as pd
@@ -23,7 +24,16 @@ from ptl.gridworld import GridWorld, load_map
 from ptl.learning import learn_life, tasks_of
 from ptl.parameters import Parameters
 from ptl.robustness import pages, summary
-from ptl.robustness.design import LATIN_HYPERCUBE, ONE_AT_A_TIME, REFERENCE, Setting, job_of, read_study, study_from
+from ptl.robustness.design import (
+    LATIN_HYPERCUBE,
+    ONE_AT_A_TIME,
+    REFERENCE,
+    Setting,
+    StudyJobs,
+    job_of,
+    read_study,
+    study_from,
+)
 from ptl.robustness.running import read_setting, run_setting
 from ptl.robustness.verdicts import NOT_VARIED, load_setting, target_frame, verdict_frame
 from ptl.robustness.worlds import cells_that_must_pass, chain_of_rooms, changed_world, region, with_start
@@ -142,6 +152,18 @@ def test_a_map_that_is_not_in_the_run_is_refused(content: dict, config: dict) ->
     without = config | {"environments": {"env2": config["environments"]["env2"]}}
     with pytest.raises(UserError, match="environment env1 is not in this run"):
         job_of(Setting("x", ONE_AT_A_TIME, {"env1.room_size": 8}), study_from(content), without)
+
+
+def test_jobs_of_the_workflow_are_those_of_the_study(content: dict, config: dict, tmp_path: Path) -> None:
+    def fail(error: UserError) -> NoReturn:
+        raise SystemExit(f"refused: {error}")
+
+    jobs = StudyJobs(CONFIG / "robustness.yaml", config, fail)
+    study = study_from(content)
+    assert list(jobs.by_name) == [setting.name for setting in study.settings()]
+    assert jobs.by_name["reference_1"] == job_of(Setting("reference_1", REFERENCE), study, config)
+    with pytest.raises(SystemExit, match="refused: .*none.yaml"):
+        _ = StudyJobs(tmp_path / "none.yaml", config, fail).by_name
 
 
 # -- worlds ----------------------------------------------------------------------------------------------------

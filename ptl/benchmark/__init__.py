@@ -1,5 +1,6 @@
-"""What the package costs: speed beside other learners, growth of the cost with the problem, and where a run's time goes.
+"""What the package costs: speed beside other learners, growth of the cost with the problem, where a run's time goes.
 
-Nothing of the reproduction hangs on this room. `speed` compares the kernel with the `contestants`, `startup` takes a
-learning job apart, `run_log` a whole run, `scaling` measures how the cost grows, and `pages` writes it all down.
+Nothing of the reproduction hangs on this room. `speed` compares the kernel with other `contestants`, `startup` takes
+a learning job apart and `run_log` a whole run; `probes` measure one thing each and `scaling` fits how they grow;
+`pages` writes all of it down.
 """

@@ -6,10 +6,11 @@ Three groups of settings: ``reference`` (replicates of the run's own configurati
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import yaml
@@ -255,3 +256,31 @@ def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[st
         "step_budget": study.step_budget,
         "growth": {"environment": config["growth"]["environment"], **study.growth},
     }
+
+
+class StudyJobs:
+    """The jobs of a study's settings for the workflow, made when they are first asked for.
+
+    Parameters
+    ----------
+    path : path
+        The study's file.
+    config : mapping
+        The configuration of the run.
+    refuse : function
+        Called with the UserError of a study that cannot be read; does not return.
+    """
+
+    def __init__(self, path: str | Path, config: Mapping[str, Any], refuse: Callable[[UserError], NoReturn]) -> None:
+        self._path = path
+        self._config = config
+        self._refuse = refuse
+
+    @cached_property
+    def by_name(self) -> dict[str, dict[str, Any]]:
+        """The job of every setting by the setting's name, in the order of the study."""
+        try:
+            study = read_study(self._path)
+            return {setting.name: job_of(setting, study, self._config) for setting in study.settings()}
+        except UserError as error:
+            self._refuse(error)

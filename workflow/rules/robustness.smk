@@ -1,23 +1,11 @@
 # The robustness study: one job per setting, the same verdicts as the main run's, and what they hang on.
 # Not part of `rule all`; `snakemake -j2 robustness` makes it.
 
-from functools import cache
-
-from ptl.robustness.design import job_of, read_study
+from ptl.robustness.design import StudyJobs
 
 STUDY = config.get("robustness", {}).get("study", "config/robustness.yaml")
-
-
-@cache
-def robustness_jobs():
-    """The job of every setting by name; read only when the study is asked for."""
-    try:
-        study = read_study(STUDY)
-        return {
-            setting.name: job_of(setting, study, config) for setting in study.settings()
-        }
-    except UserError as error:
-        refuse(error)
+# read only when the study is asked for
+SETTINGS = StudyJobs(STUDY, config, refuse)
 
 
 rule learn_setting:
@@ -33,7 +21,7 @@ rule learn_setting:
         "../envs/ptl.yaml"
     params:
         job=lambda wildcards: json.dumps(
-            robustness_jobs()[wildcards.setting], sort_keys=True
+            SETTINGS.by_name[wildcards.setting], sort_keys=True
         ),
         code=code_digest(
             "ptl.robustness.running", *[f"ptl.methods.{method}" for method in METHODS]
@@ -73,10 +61,10 @@ rule report_robustness:
     input:
         study=STUDY,
         verdicts=lambda wildcards: [
-            f"<results>/robustness/{name}.verdicts.csv" for name in robustness_jobs()
+            f"<results>/robustness/{name}.verdicts.csv" for name in SETTINGS.by_name
         ],
         targets=lambda wildcards: [
-            f"<results>/robustness/{name}.targets.csv" for name in robustness_jobs()
+            f"<results>/robustness/{name}.targets.csv" for name in SETTINGS.by_name
         ],
     output:
         png=report(

@@ -1,0 +1,226 @@
+"""Learners that are timed against each other on the same task under the same law.
+
+All of them do tabular one-step Q-learning with the same alpha, gamma and epsilon, uniform ties and no step limit, on
+the transition table of the same map. They differ in who does the work. Each contestant is a class; an instance learns
+one task, and `run` is the only part that is timed.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from ptl._kernel import Dynamics, Learner
+from ptl.benchmark.reference import ReferenceLearner
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task and the parameters of Q-learning, the same for all contestants.
+
+    Attributes
+    ----------
+    successors : int array, shape (n_states, 4)
+    start, goal : int
+    alpha, gamma, epsilon : float
+    """
+
+    successors: np.ndarray
+    start: int
+    goal: int
+    alpha: float = 0.05
+    gamma: float = 0.95
+    epsilon: float = 0.1
+
+
+class Contestant(Protocol):
+    """What is timed: ``run`` learns some episodes from the start to the goal and returns their primitive steps."""
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None: ...
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        ...
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        ...
+
+
+class Kernel:
+    """The compiled kernel, two steps at a time where Q is zero all around."""
+
+    shortcut = True
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        self._start = task.start
+        self._learner = Learner(
+            Dynamics(task.successors),
+            task.goal,
+            np.random.SFC64(seed),
+            alpha=task.alpha,
+            gamma=task.gamma,
+            epsilon=task.epsilon,
+            max_steps=10**12,
+            initial_q=initial_q,
+            shortcut=self.shortcut,
+        )
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        learner, start, steps = self._learner, self._start, 0
+        for _ in range(episodes):
+            learner.begin_episode(start)
+            learner.explore()
+            steps += learner.steps
+        return steps
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        return self._learner.q
+
+
+class KernelEveryStep(Kernel):
+    """The compiled kernel, every step simulated."""
+
+    shortcut = False
+
+
+class PlainLoop:
+    """Plain Python at its fastest: one loop over lists, no calls but those of the standard library."""
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        self._task = task
+        self._successors = task.successors.tolist()
+        self._random = random.Random(seed)
+        self._q = np.zeros(task.successors.shape).tolist() if initial_q is None else initial_q.tolist()
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        q, successors, draw = self._q, self._successors, self._random.random
+        start, goal = self._task.start, self._task.goal
+        alpha, gamma, epsilon = self._task.alpha, self._task.gamma, self._task.epsilon
+        steps = 0
+        for _ in range(episodes):
+            state = start
+            while state != goal:
+                values = q[state]
+                if draw() < epsilon:
+                    action = int(4 * draw())
+                else:
+                    best = max(values)
+                    if values.count(best) == 1:
+                        action = values.index(best)
+                    else:
+                        tied = [a for a in (0, 1, 2, 3) if values[a] == best]
+                        action = tied[int(len(tied) * draw())]
+                state = successors[state][action]
+                target = 1.0 if state == goal else gamma * max(q[state])
+                values[action] += alpha * (target - values[action])
+                steps += 1
+        return steps
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        return np.array(self._q)
+
+
+class PlainReference:
+    """The tests' reference in plain Python, which gives the same bits as the kernel that simulates every step."""
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        self._start = task.start
+        self._learner = ReferenceLearner(
+            task.successors,
+            task.goal,
+            np.random.SFC64(seed),
+            alpha=task.alpha,
+            gamma=task.gamma,
+            epsilon=task.epsilon,
+            max_steps=10**12,
+            initial_q=initial_q,
+            shortcut=False,
+        )
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        steps = 0
+        for _ in range(episodes):
+            self._learner.begin_episode(self._start)
+            self._learner.explore()
+            steps += self._learner.steps
+        return steps
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        return self._learner.q
+
+
+class GymnasiumLoop:
+    """The usual tutorial: a Gymnasium environment, a numpy Q-table and a numpy Generator."""
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        from ptl.benchmark.gymnasium_world import GymnasiumWorld
+
+        self._world = GymnasiumWorld(task.successors, task.start, task.goal)
+        self._task = task
+        self._random = np.random.default_rng(seed)
+        self._q = np.zeros(task.successors.shape) if initial_q is None else initial_q.copy()
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        world, generator, q, task = self._world, self._random, self._q, self._task
+        steps = 0
+        for _ in range(episodes):
+            state, _ = world.reset()
+            ended = False
+            while not ended:
+                if generator.random() < task.epsilon:
+                    action = generator.integers(4)
+                else:
+                    action = generator.choice(np.flatnonzero(q[state] == q[state].max()))
+                after, reward, ended, _, _ = world.step(action)
+                target = reward if ended else reward + task.gamma * q[after].max()
+                q[state, action] += task.alpha * (target - q[state, action])
+                state = after
+                steps += 1
+        return steps
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        return self._q
+
+
+class MushroomRL:
+    """mushroom-rl's own Q-learning, policy and training loop."""
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        from ptl.benchmark.mushroom import make_core
+
+        self._core = make_core(task, initial_q)
+        np.random.seed(seed)  # noqa: NPY002  mushroom-rl draws from numpy's global generator
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps taken."""
+        steps = 0
+
+        def count(_: object) -> None:
+            nonlocal steps
+            steps += 1
+
+        self._core.callback_step = count
+        self._core.learn(n_episodes=episodes, n_steps_per_fit=1, quiet=True)
+        return steps
+
+    @property
+    def q(self) -> np.ndarray:
+        """Action values, float array (n_states, 4)."""
+        return self._core.agent.Q.table
