@@ -40,7 +40,7 @@ def differences(folder: Path, manifest_path: Path) -> list[str]:
     """How the products in ``folder`` differ from a manifest, one line each; measured times are left out."""
     try:
         products = json.loads(manifest_path.read_text(encoding="utf-8"))["products"]
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError, KeyError, TypeError) as error:
         advice = "'snakemake' writes one with every run"
         raise UserError(f"{manifest_path}: is not a manifest ({error}); {advice}") from error
     found = []

@@ -162,7 +162,7 @@ def test_jobs_of_the_workflow_are_those_of_the_study(content: dict, config: dict
     study = study_from(content)
     assert list(jobs.by_name) == [setting.name for setting in study.settings()]
     assert jobs.by_name["reference_1"] == job_of(Setting("reference_1", REFERENCE), study, config)
-    with pytest.raises(SystemExit, match="refused: .*none.yaml"):
+    with pytest.raises(SystemExit, match=r"refused: .*none\.yaml"):
         _ = StudyJobs(tmp_path / "none.yaml", config, fail).by_name
 
 
