@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from ptl.tables import STYLE
 
 EXTRA_STYLE = """
-thead tr:only-child th { text-align: right; color: var(--soft); border-bottom: 1px solid var(--strong); font-size: .9em; }
+thead tr:only-child th { text-align: right; color: var(--soft); border-bottom: 1px solid var(--strong);
+  font-size: .9em; }
 td.text, thead tr:only-child th.text { text-align: left; }
 td.text { white-space: normal; min-width: 16ch; }
 """.strip()

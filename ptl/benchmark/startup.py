@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-import os
+import resource
 import subprocess
 import sys
 import tempfile
@@ -32,7 +32,7 @@ origin = dict(environment="benchmark", method=method, seed=0, root_seed=0, param
               code=digest)
 ptl.store.write_learning(output, life, world, origin)
 marks.append(("writing the file", time.process_time()))
-from ptl.benchmark.machine import peak_mebibytes
+from ptl.benchmark.memory import peak_mebibytes
 print(json.dumps({"marks": marks, "peak": peak_mebibytes()}))
 """
 """What ``ptl learn`` does, with the clock read between its phases; a process of its own."""
@@ -60,17 +60,21 @@ def measure(map_path: Path, methods: Iterable[str], repeats: int) -> pd.DataFram
 
 def run_job(map_path: Path, method: str, output: Path) -> dict[str, float]:
     """CPU seconds of each phase of one job, user and system time together, and its peak memory in MiB."""
-    before = os.times()
+    before = _seconds_of_children()
     command = [sys.executable, "-c", JOB, str(map_path), method, str(output)]
     done = subprocess.run(command, check=True, capture_output=True, text=True)
-    after = os.times()
-    total = after.children_user + after.children_system - before.children_user - before.children_system
+    total = _seconds_of_children() - before
     report = json.loads(done.stdout)
     seconds, last = {}, 0.0
     for phase, mark in report["marks"]:
         seconds[phase] = mark - last
         last = mark
     return {**seconds, "end of Python": max(total - last, 0.0), "all": total, "peak": report["peak"]}
+
+
+def _seconds_of_children() -> float:
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
 
 
 def summarise(measured: pd.DataFrame) -> pd.DataFrame:

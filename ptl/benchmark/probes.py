@@ -1,0 +1,311 @@
+"""Measurements of one size each, made in a process of their own so that peak memory is theirs alone.
+
+``python -m ptl.benchmark.probes KIND ARGUMENT...`` prints a JSON list of records with the keys ``quantity`` and
+``value`` (for ``tasks`` also ``size``).
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ptl import learning, mazes, transitions
+from ptl._kernel import Dynamics, Learner
+from ptl.benchmark.memory import peak_mebibytes
+from ptl.gridworld import GridWorld, load_map
+from ptl.growth import grow_library
+from ptl.learning import learn_life, tasks_of
+from ptl.parameters import Parameters
+from ptl.selection import SkillSelection, prior
+from ptl.skills import Skill, SkillLibrary
+from ptl.subgoals import discover
+from ptl.transitions import TransitionGraph
+
+STEPS = 10**7
+"""Steps over which the time of one is measured."""
+
+STEPS_FROM_A_START = 10**4
+"""Steps before the walk goes on elsewhere, unless the goal comes first."""
+
+FIRST_EPISODES = 3
+"""First episodes over which their length is averaged."""
+
+Record = dict[str, Any]
+
+
+def world_of(kind: str, states: int) -> GridWorld:
+    """A world of about so many states.
+
+    Parameters
+    ----------
+    kind : {"chain", "rooms", "ring"}
+        A row of 10 x 10 rooms (as environment 1); a square cut at random into small rooms; or one corridor that
+        closes on itself, the worst case of the diameter.
+    """
+    if kind == "chain":
+        return GridWorld.from_text(mazes.chain_of_rooms(max(2, round(states / 101)), 10, "A"), "chain")
+    if kind == "rooms":
+        side = round((states / 0.64) ** 0.5) + 2
+        return GridWorld.from_text(
+            mazes.random_rooms(np.random.default_rng(states), side, side, "A"), "rooms"
+        )
+    if kind == "ring":
+        side = round(states / 4) + 1
+        grid = np.full((side, side), mazes.FREE)
+        grid[1:-1, 1:-1] = mazes.WALL
+        grid[0, 0], grid[-1, -1] = mazes.START, "A"
+        return GridWorld.from_text(mazes.to_text(grid), "ring")
+    raise ValueError(f"unknown kind of world: {kind}")
+
+
+def states(kind: str, size: int) -> list[Record]:
+    """What a map of about ``size`` states costs, from its text to a library update."""
+    text = world_of(kind, size).text
+    held = peak_mebibytes()
+    world, reading = _timed(lambda: GridWorld.from_text(text), 3)
+    goal = world.goals["A"]
+    learner, tables = _timed(lambda: Learner(Dynamics(world.successors), goal, np.random.SFC64(0)), 3)
+    records = [
+        {"quantity": "states", "value": world.n_states},
+        {"quantity": "read the map, s", "value": reading},
+        {"quantity": "lay out the tables, s", "value": tables},
+    ]
+    for name, shortcut in (("every step simulated", False), ("with the shortcut", True)):
+        records.append({"quantity": f"one step, {name}, s", "value": _seconds_a_step(world, shortcut)})
+    records += [
+        {"quantity": "first episode, steps", "value": _first_episode(world)},
+        *_discovery(world, learner),
+        {"quantity": "memory, MiB", "value": peak_mebibytes() - held},
+    ]
+    return records
+
+
+def _timed(work: Callable[[], Any], repeats: int) -> tuple[Any, float]:
+    """What the work gives, and the least CPU seconds of several repeats."""
+    least = np.inf
+    for _ in range(repeats):
+        begin = time.process_time()
+        result = work()
+        least = min(least, time.process_time() - begin)
+    return result, least
+
+
+def _seconds_a_step(world: GridWorld, shortcut: bool) -> float:
+    """Seconds of a step from starts all over the map, so that all tables are in use.
+
+    Q stays zero (alpha is 0): the same law at every size, and for as long as one likes.
+    """
+    learner = Learner(
+        Dynamics(world.successors),
+        world.goals["A"],
+        np.random.SFC64(1),
+        alpha=0.0,
+        shortcut=shortcut,
+        max_steps=10**12,
+    )
+    starts = np.random.default_rng(0).integers(0, world.n_states, STEPS // STEPS_FROM_A_START).tolist()
+
+    def walk() -> int:
+        taken = 0
+        for start in starts:
+            learner.begin_episode(start)
+            learner.explore(budget=STEPS_FROM_A_START)
+            taken += learner.steps
+        return taken
+
+    walk()
+    taken, seconds = _timed(walk, 3)
+    return seconds / taken
+
+
+def _first_episode(world: GridWorld) -> float:
+    """Mean steps of a first episode: a property of the world, not of the code."""
+    dynamics, steps = Dynamics(world.successors), []
+    for seed in range(FIRST_EPISODES):
+        learner = Learner(dynamics, world.goals["A"], np.random.SFC64(100 + seed), max_steps=10**12)
+        learner.begin_episode(world.start)
+        learner.explore()
+        steps.append(learner.steps)
+    return float(np.mean(steps))
+
+
+def _discovery(world: GridWorld, learner: Learner) -> list[Record]:
+    """Subgoal discovery and library update after a task in which everything was seen, on 30 shortest paths."""
+    everything = np.full(world.n_states, 15, dtype=np.uint8)
+    policy = world.transitions.shortest_path_policy(world.goals["A"])
+    learner.begin_episode(world.start)
+    learner.follow(policy, world.goals["A"])
+    paths = [learner.erased_path()] * Parameters().subgoals.trajectories
+    def after_a_task() -> None:
+        graph = TransitionGraph(world.successors, everything)
+        library = SkillLibrary(novelty=0.0)
+        library.update(discover(paths, graph, [], 2), graph, 0)
+
+    return [
+        {"quantity": "discovery and library update, s", "value": _timed(after_a_task, 3)[1]},
+        {"quantity": "searches of the graph, count", "value": searches_of(after_a_task)},
+    ]
+
+
+def searches_of(work: Callable[[], Any]) -> int:
+    """Number of breadth-first searches that the work makes."""
+    searches = 0
+    search = transitions.breadth_first
+
+    def counted(*arguments: Any) -> np.ndarray:
+        nonlocal searches
+        searches += 1
+        return search(*arguments)
+
+    transitions.breadth_first = counted
+    try:
+        work()
+    finally:
+        transitions.breadth_first = search
+    return searches
+
+
+def diameter(kind: str, size: int) -> list[Record]:
+    """The diameter of a world: CPU seconds and searches of the graph."""
+    world = world_of(kind, size)
+    graph = TransitionGraph(world.successors)
+    return [
+        {"quantity": "states", "value": world.n_states},
+        {"quantity": "diameter, s", "value": _timed(graph.diameter, 1)[1]},
+        {"quantity": "searches of the graph, count", "value": searches_of(graph.diameter)},
+    ]
+
+
+def library(size: int, states: int) -> list[Record]:
+    """One selection, one update of the likelihood and one library update with ``size`` skills on a rooms map."""
+    held = peak_mebibytes()
+    world = world_of("rooms", states)
+    random = np.random.default_rng(0)
+    subgoals = random.choice(world.n_states, size=size, replace=False).tolist()
+    goal = world.goals["A"]
+    policy = np.zeros(world.n_states, dtype=np.int8)
+    skills = [Skill(subgoal, policy.copy(), 0) for subgoal in subgoals]
+    chosen = SkillSelection(prior(world.cells, [world.start, *subgoals], goal, world.diagonal))
+
+    def begin_task() -> None:
+        SkillSelection(prior(world.cells, [world.start, *subgoals], goal, world.diagonal))
+
+    def draw() -> None:
+        chosen.draw(random)
+
+    def record() -> None:
+        chosen.record([0], 100)
+
+    graph = TransitionGraph(world.successors)
+    route, state = [world.start], world.start
+    to_goal = graph.shortest_path_policy(goal)
+    while state != goal:
+        state = int(world.successors[state, to_goal[state]])
+        route.append(state)
+    paths = [np.array(route)] * Parameters().subgoals.trajectories
+
+    def update() -> None:
+        grown = SkillLibrary(novelty=0.0, threshold=0.0, skills=list(skills))
+        grown.update(discover(paths, graph, grown.subgoals, 2), graph, 0)
+
+    return [
+        {"quantity": "prior of a task, s", "value": _mean_seconds(begin_task, 100)},
+        {"quantity": "one selection, s", "value": _mean_seconds(draw, 300)},
+        {"quantity": "likelihood after an episode, s", "value": _mean_seconds(record, 300)},
+        {"quantity": "discovery and library update, s", "value": _mean_seconds(update, 3)},
+        {"quantity": "policies and subgoals, bytes", "value": size * (policy.nbytes + np.int32().nbytes)},
+        {"quantity": "memory, MiB", "value": peak_mebibytes() - held},
+    ]
+
+
+def _mean_seconds(work: Callable[[], None], times: int) -> float:
+    """CPU seconds of one call: the least of several means."""
+
+    def again() -> None:
+        for _ in range(times):
+            work()
+
+    again()
+    return _timed(again, 7)[1] / times
+
+
+def tasks(map_path: str, number: int) -> list[Record]:
+    """One life of so many random tasks under PTL: time of a task, memory and library as the life goes on."""
+    world = load_map(map_path)
+    held = peak_mebibytes()
+    marks = sorted({m for e in range(7) for m in (10**e, 2 * 10**e, 5 * 10**e) if m < number} | {number})
+    records: list[Record] = []
+    done, since, begin = 0, 0, time.process_time()
+    learn_task = learning.learn_task
+
+    def watched(*arguments: Any) -> learning.TaskRecord:
+        nonlocal done, since, begin
+        record = learn_task(*arguments)
+        done += 1
+        if done in marks:
+            seconds = (time.process_time() - begin) / (done - since)
+            skills = len(arguments[3].library)
+            for quantity, value in (
+                ("one task, s", seconds),
+                ("memory, MiB", peak_mebibytes() - held),
+                ("skills in the library, count", skills),
+            ):
+                records.append({"size": done, "quantity": quantity, "value": value})
+            since, begin = done, time.process_time()
+        return record
+
+    learning.learn_task = watched
+    try:
+        grow_library(world, number, Parameters(), 0, "benchmark", 0)
+    finally:
+        learning.learn_task = learn_task
+    return records
+
+
+def large(side: int) -> list[Record]:
+    """Two tasks under PTL on a square of small rooms with ``side`` cells each way, learned to their end."""
+    world = GridWorld.from_text(mazes.random_rooms(np.random.default_rng(side), side, side, "AB"), "large")
+    held = peak_mebibytes()
+    begin = time.process_time()
+    life = learn_life(world, tasks_of(world, "AB"), "ptl", Parameters(), 0, "benchmark", 0)
+    seconds = time.process_time() - begin
+    return [
+        {"quantity": "states", "value": world.n_states},
+        {"quantity": "two tasks, s", "value": seconds},
+        {"quantity": "steps, count", "value": int(sum(record.steps.sum() for record in life.records))},
+        {"quantity": "episodes, count", "value": sum(len(record.steps) for record in life.records)},
+        {
+            "quantity": "episodes at the step limit, count",
+            "value": int(sum(record.truncated.sum() for record in life.records)),
+        },
+        {"quantity": "skills in the library, count", "value": len(life.library or [])},
+        {"quantity": "memory, MiB", "value": peak_mebibytes() - held},
+    ]
+
+
+def main(arguments: list[str]) -> None:
+    """Make the measurement that the arguments name."""
+    kind, *rest = arguments
+    if kind == "states":
+        records = states(rest[0], int(rest[1]))
+    elif kind == "diameter":
+        records = diameter(rest[0], int(rest[1]))
+    elif kind == "library":
+        records = library(int(rest[0]), int(rest[1]))
+    elif kind == "tasks":
+        records = tasks(str(Path(rest[0])), int(rest[1]))
+    elif kind == "large":
+        records = large(int(rest[0]))
+    else:
+        raise ValueError(f"unknown measurement: {kind}")
+    print(json.dumps(records))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
