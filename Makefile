@@ -24,6 +24,12 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 	$(SNAKEMAKE) --configfile config/smoke.yaml
 	$(SNAKEMAKE) --configfile config/smoke.yaml --report reports/smoke/report.html
 
+report: build  ## The page reports/published/report.html from what is there.
+	$(SNAKEMAKE) --report reports/published/report.html
+
+robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
+	$(SNAKEMAKE) robustness
+
 test: $(TEST_TOOLS) build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
 

@@ -21,6 +21,7 @@ include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/fernandez_veloso.smk"
+include: "workflow/rules/robustness.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/products.smk"
 
@@ -34,6 +35,8 @@ localrules:
     figures,
     claims,
     explorer,
+    fernandez_veloso,
+    robustness,
 
 
 rule all:

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import random
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Protocol
 
 import numpy as np
 
 from ptl._kernel import Dynamics, Learner
 from ptl.benchmark.reference import ReferenceLearner
+from ptl.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,18 @@ class Task:
     alpha: float = 0.05
     gamma: float = 0.95
     epsilon: float = 0.1
+
+
+def check_installed() -> None:
+    """Refuse to start without the libraries that some contestants come from.
+
+    Raises
+    ------
+    UserError
+    """
+    for module in ("gymnasium", "mushroom_rl"):
+        if find_spec(module) is None:
+            raise UserError(f"{module} is not installed; run 'make benchmark', which installs it first")
 
 
 class Contestant(Protocol):

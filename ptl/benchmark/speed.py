@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -70,8 +70,11 @@ def measure(
     entries: Iterable[Entry] = ENTRIES,
     episodes: int = EPISODES,
     least_seconds: float = LEAST_SECONDS,
+    say: Callable[[str], None] = lambda _: None,
 ) -> pd.DataFrame:
     """Time all entries in turn, round after round, so that what disturbs the machine disturbs all of them.
+
+    ``say`` is told which round begins.
 
     Returns
     -------
@@ -81,6 +84,7 @@ def measure(
     stages = stages_of(task, episodes)
     rows = []
     for number in range(rounds):
+        say(f"round {number + 1} of {rounds}")
         for entry in entries:
             steps, seconds = _time(entry, task, stages, number, episodes, least_seconds)
             rows.append({"round": number, "entry": entry.label, "steps": steps, "seconds": seconds})
