@@ -1,13 +1,7 @@
-"""HDF5 files of plain arrays with their origin and a checksum: raw data of the side studies.
-
-The files of learning, growth and survey jobs have a room of their own (`ptl.store`); the rules are the same
-here: equal runs give equal bytes, a file holds what is needed to rerun it, and ``content`` is a sha256 over
-all the rest.
-"""
+"""Files of plain arrays with their origin: steps per episode of a run, and raw data of the side studies."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,10 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-import ptl
-from ptl.errors import UserError
-from ptl.files import atomic_path
-from ptl.store import content_digest
+from ptl.hdf5 import new_file, open_file
 
 
 def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> None:
@@ -33,15 +24,10 @@ def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], 
     origin : mapping
         Other root attributes; dictionaries and lists are written as JSON.
     """
-    versions = {"ptl": ptl.__version__, "numpy": np.__version__, "h5py": h5py.__version__}
-    with atomic_path(path) as temporary, h5py.File(temporary, "w", libver="v110") as file:
-        file.attrs["format"] = kind
-        for name, value in ({**origin, "versions": versions}).items():
-            file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict | list) else value
+    with new_file(path, kind, origin) as file:
         for name, values in arrays.items():
             options = {"compression": "gzip", "shuffle": True} if np.size(values) else {}
             file.create_dataset(name, data=values, track_times=False, **options)
-        file.attrs["content"] = content_digest(file)
 
 
 def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
@@ -52,23 +38,12 @@ def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dic
     UserError
         When the file is missing, damaged or of another kind.
     """
-    path = Path(path)
-    remedy = f"remove it and run 'snakemake {path}' to make it again"
-    if not path.is_file():
-        raise UserError(f"{path}: no such file; run 'snakemake {path}' to make it")
-    try:
-        with h5py.File(path, "r") as file:
-            intact = file.attrs.get("content") == content_digest(file)
-            origin = dict(file.attrs)
-            arrays: dict[str, np.ndarray] = {}
-            file.visititems(
-                lambda name, item: arrays.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
-            )
-    except Exception as error:  # HDF5 reports damage by exceptions of many types
-        reason = (str(error) or type(error).__name__).splitlines()[0]
-        raise UserError(f"{path}: damaged or not an HDF5 file ({reason}); {remedy}") from error
-    if origin.get("format") != kind:
-        raise UserError(f"{path}: is not a {kind} file (format {origin.get('format')!r}); {remedy}")
-    if not intact:
-        raise UserError(f"{path}: damaged (its content does not match its checksum); {remedy}")
-    return arrays, origin
+    arrays: dict[str, np.ndarray] = {}
+
+    def collect(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        if isinstance(item, h5py.Dataset):
+            arrays[name] = item[()]
+
+    with open_file(path, kind) as file:
+        file.visititems(collect)
+        return arrays, dict(file.attrs)

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ptl.archive import read_arrays
 from ptl.errors import UserError
 from ptl.gridworld import GridWorld, load_map
 from ptl.statistics import PER_SEED_METRICS, Resampling, read_per_seed
@@ -220,15 +221,6 @@ def _with_columns(
 
 
 def _read_steps(path: str | Path) -> dict[tuple[str, str, str], np.ndarray]:
-    import h5py
-
-    try:
-        with h5py.File(path, "r") as file:
-            return {
-                (environment, method, task): np.asarray(steps)
-                for environment, by_method in file.items()
-                for method, by_task in by_method.items()
-                for task, steps in by_task.items()
-            }
-    except (OSError, AttributeError, ValueError) as error:
-        raise UserError(f"{path}: cannot be read as steps per episode ({error}); make it again") from error
+    arrays, _ = read_arrays(path, "ptl-steps/1")
+    return {(environment, method, task): steps for name, steps in arrays.items()
+            for environment, method, task in [name.split("/")]}  # fmt: skip

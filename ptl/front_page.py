@@ -19,8 +19,9 @@ they are reconstructed here, and ``docs/reconstruction.md`` says what is the art
 READING = """\
 **Verdicts** hold each claim of the article against this run. **Figures** and **Tables** carry the article's numbers.
 The **Explorer** shows single learners at work: start there to see why a skill library helps. **Checks** repeat an
-experiment of the authors of policy reuse, to show that the strongest rival is implemented rightly. Each item says in its caption how many runs it shows, what its interval is, and which rule and file made it.
-Environments and methods keep their order and colours everywhere.
+experiment of the authors of policy reuse, to show that the strongest rival is implemented rightly. Each item says in
+its caption how many runs it shows, what its interval is, and which rule and file made it. Environments and methods keep
+their order and colours everywhere.
 """
 
 

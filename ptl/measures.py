@@ -15,12 +15,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 
+from ptl.archive import write_arrays
 from ptl.errors import UserError
-from ptl.files import atomic_path
 from ptl.store import open_learning
 
 if TYPE_CHECKING:
     from ptl.store import LearningFile
+
+STEPS = "ptl-steps/1"
+"""Format of the file of steps per episode."""
 
 PER_SEED_COLUMNS = (
     "environment", "task", "method", "seed", "first_episode", "asymptotic", "threshold_episode",
@@ -237,13 +240,8 @@ def write_steps(path: str | Path, measurements: Measurements) -> None:
 
     The root attribute ``seeds`` names the rows.
     """
-    import h5py
-
-    with atomic_path(path) as temporary, h5py.File(temporary, "w") as file:
-        file.attrs["format"] = "ptl-steps/1"
-        file.attrs["seeds"] = np.array(measurements.seeds, dtype=np.int64)
-        for names, steps in measurements.steps.items():
-            file.create_dataset("/".join(names), data=steps)
+    arrays = {"/".join(names): steps for names, steps in measurements.steps.items()}
+    write_arrays(path, STEPS, arrays, {"seeds": np.array(measurements.seeds, dtype=np.int64)})
 
 
 def _stack(

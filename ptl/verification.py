@@ -8,9 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ptl.errors import UserError
+from ptl.hdf5 import open_file
 from ptl.provenance import code_digest
 from ptl.skills import Skill
-from ptl.store import FREQUENCIES, GROWTH, LEARNING, LearningFile, ResultFile, TaskView, open_result
+from ptl.store import FREQUENCIES, GROWTH, KINDS, LEARNING, LearningFile, ResultFile, TaskView, open_result
+
+ARCHIVES = ("ptl-steps/1", "ptl-gain/1", "ptl-robustness/1")
+"""Formats of plain arrays, which have a checksum but no invariants of their own."""
 
 
 def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
@@ -24,6 +28,9 @@ def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
         Also demand that the file was made by the code of this package.
     """
     try:
+        with open_file(path, *KINDS, *ARCHIVES) as file:
+            if file.attrs["format"] in ARCHIVES:
+                return []
         with open_result(path) as result:
             found = list(_misplaced(path, result)) + list(_impossible(result))
             if current_code and result.code != _present_code(result):

@@ -7,7 +7,6 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
-import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -15,6 +14,7 @@ from click.testing import CliRunner
 from conftest import MAPS
 
 from ptl import claims, measures
+from ptl.archive import write_arrays
 from ptl.claims import ledger, places, thresholds
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant, number
 from ptl.commands.claims import command
@@ -606,9 +606,7 @@ def files(tmp_path, as_in_the_article):
     for path, frame in zip(paths.values(), frames, strict=True):
         frame.to_csv(path, index=False)
     paths["steps"] = tmp_path / "steps.h5"
-    with h5py.File(paths["steps"], "w") as file:
-        for names, steps in evidence.steps.items():
-            file["/".join(names)] = steps
+    write_arrays(paths["steps"], "ptl-steps/1", {"/".join(names): steps for names, steps in evidence.steps.items()}, {})
     return paths
 
 

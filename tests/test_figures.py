@@ -14,6 +14,7 @@ import pytest
 from click.testing import CliRunner
 
 from ptl import methods
+from ptl.archive import write_arrays
 from ptl.commands.figure import command
 from ptl.errors import UserError
 from ptl.figures import cells, style
@@ -70,10 +71,11 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }  # fmt: skip
     write_frequencies(folder / "frequencies.h5", arrays, world, origin)
     random = np.random.default_rng(0)
-    with h5py.File(folder / "steps.h5", "w") as file:
-        for index, method in enumerate(METHODS):
-            falling = np.geomspace(400 / (index + 1), 9, 60)
-            file[f"small/{method}/C"] = random.poisson(falling, size=(SEEDS, 60)) + 9
+    steps = {
+        f"small/{method}/C": random.poisson(np.geomspace(400 / (index + 1), 9, 60), size=(SEEDS, 60)) + 9
+        for index, method in enumerate(METHODS)
+    }
+    write_arrays(folder / "steps.h5", "ptl-steps/1", steps, {})
     tasks = np.arange(13)
     pd.DataFrame(
         {

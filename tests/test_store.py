@@ -87,7 +87,7 @@ def test_growth_file(tmp_path):
 
 def rewrite(path: Path, change) -> None:
     """Change a file and make its checksum right again, so that only the invariants can tell."""
-    from ptl.store import content_digest
+    from ptl.hdf5 import content_digest
 
     with h5py.File(path, "r+") as file:
         change(file)

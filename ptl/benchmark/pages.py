@@ -197,7 +197,7 @@ def _exponent(row: pd.Series) -> str:
     text = f"{row['exponent']:.2f}"
     if not np.isnan(row["exponent_low"]):
         text += f" ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
-    return text.replace("-", "−")
+    return text.replace("-0.00", "0.00").replace("-", "−")
 
 
 def _quantity(row: pd.Series, quantity: str) -> str:

@@ -219,7 +219,7 @@ def library(size: int, states: int) -> list[Record]:
         {"quantity": "one selection, s", "value": _mean_seconds(draw, 300)},
         {"quantity": "likelihood after an episode, s", "value": _mean_seconds(record, 300)},
         {"quantity": "discovery and library update, s", "value": _mean_seconds(update, 3)},
-        {"quantity": "policies and subgoals, bytes", "value": size * (policy.nbytes + np.int32().nbytes)},
+        {"quantity": "policies, bytes", "value": sum(skill.policy.nbytes for skill in skills)},
         {"quantity": "memory, MiB", "value": peak_mebibytes() - held},
     ]
 

@@ -10,6 +10,7 @@ import h5py
 import numpy as np
 
 from ptl.errors import UserError
+from ptl.hdf5 import open_file
 
 
 class StepsFile:
@@ -41,9 +42,5 @@ class StepsFile:
 def open_steps(path: str | Path) -> Iterator[StepsFile]:
     """Open a file of steps for reading."""
     path = Path(path)
-    try:
-        file = h5py.File(path)
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read as HDF5 ({error}); make it again") from error
-    with file:
+    with open_file(path, "ptl-steps/1") as file:
         yield StepsFile(path, file)

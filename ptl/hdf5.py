@@ -1,0 +1,101 @@
+"""HDF5 files with an origin and a checksum: written whole or not at all, checked whenever they are opened.
+
+Equal runs give equal bytes: nothing in a file depends on when or where it was written. The root attribute ``format``
+says what a file is, ``versions`` which packages made it, and ``content`` is a sha256 over everything else in it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+import ptl
+from ptl.errors import UserError
+from ptl.files import atomic_path
+
+
+@contextmanager
+def new_file(path: str | os.PathLike[str], kind: str, origin: Mapping[str, Any]) -> Iterator[h5py.File]:
+    """Write a file of a kind; the block fills it in.
+
+    Parameters
+    ----------
+    kind : str
+        Value of the root attribute ``format``.
+    origin : mapping
+        Other root attributes: what is needed to make the file again. Dictionaries and lists are written as JSON.
+    """
+    versions = {"ptl": ptl.__version__, "numpy": np.__version__, "h5py": h5py.__version__}
+    with atomic_path(path) as temporary, h5py.File(temporary, "w", libver="v110") as file:
+        file.attrs["format"] = kind
+        for name, value in {**origin, "versions": versions}.items():
+            file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict | list) else value
+        yield file
+        file.attrs["content"] = content_digest(file)
+
+
+@contextmanager
+def open_file(path: str | os.PathLike[str], *kinds: str) -> Iterator[h5py.File]:
+    """Open a file of one of several kinds for reading.
+
+    Raises
+    ------
+    UserError
+        If it is missing, damaged or of another kind; the line ends with the command that makes it again.
+    """
+    remedy = f"remove it and run 'snakemake {path}' to make it again"
+    if not Path(path).is_file():
+        raise UserError(f"{path}: no such file; run 'snakemake {path}' to make it")
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise UserError(f"{path}: damaged or not an HDF5 file ({_first_line(error)}); {remedy}") from error
+    with file:
+        try:
+            found = file.attrs.get("format")
+            intact = file.attrs.get("content") == content_digest(file)
+        except Exception as error:  # HDF5 reports damage by exceptions of many types
+            raise UserError(f"{path}: damaged ({_first_line(error)}); {remedy}") from error
+        if found not in kinds:
+            raise UserError(f"{path}: is not a {_any_of(kinds)} file (format {found!r}); {remedy}")
+        if not intact:
+            raise UserError(f"{path}: damaged (its content does not match its checksum); {remedy}")
+        yield file
+
+
+def content_digest(file: h5py.File) -> str:
+    """sha256 over all names, attributes, types, shapes and values of an open file, save the root's ``content``."""
+    digest = hashlib.sha256()
+
+    def add_attributes(item: h5py.Group | h5py.Dataset) -> None:
+        for name in sorted(item.attrs):
+            if not (item.name == "/" and name == "content"):
+                value = np.asarray(item.attrs[name])
+                digest.update(f"{item.name}@{name}={value.dtype.str} {value.tolist()!r}\n".encode())
+
+    def add(_: str, item: h5py.Group | h5py.Dataset) -> None:
+        digest.update(f"{item.name}\n".encode())
+        add_attributes(item)
+        if isinstance(item, h5py.Dataset):
+            digest.update(f"{item.dtype.str}{item.shape}\n".encode())
+            digest.update(np.ascontiguousarray(item[()]).tobytes())
+
+    add_attributes(file)
+    file.visititems(add)
+    return digest.hexdigest()
+
+
+def _any_of(kinds: Collection[str]) -> str:
+    return " or ".join(kinds) if len(kinds) <= 2 else "result"
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0]
