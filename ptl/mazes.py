@@ -36,9 +36,7 @@ def chain_of_rooms(rooms: int, size: int = 10, goals: str = GOALS) -> str:
     return to_text(grid)
 
 
-def open_grid(
-    rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS
-) -> str:
+def open_grid(rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS) -> str:
     """Grid with a wall frame and random walls inside; start and goals lie in one connected part."""
     grid = framed(rows, columns)
     inside = grid[1:-1, 1:-1]

@@ -649,7 +649,7 @@ def test_editing_the_data_flips_the_verdict(files, tmp_path):
     [
         (lambda files: files["subgoals"].write_text("environment\n1\n"), "no column 'method'"),
         (lambda files: files["growth"].unlink(), "cannot be read as CSV"),
-        (lambda files: files["steps"].write_text("no"), "cannot be read as steps"),
+        (lambda files: files["steps"].write_text("no"), "damaged or not an HDF5 file"),
         (lambda files: files["per_seed"].write_text("environment,seed\nenv1,1\n"), "no column"),
     ],
 )

@@ -110,9 +110,10 @@ class PlainLoop:
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
         self._task = task
-        self._successors = task.successors.tolist()
+        self._successors: list[list[int]] = task.successors.tolist()  # type: ignore[assignment]
         self._random = random.Random(seed)
-        self._q = np.zeros(task.successors.shape).tolist() if initial_q is None else initial_q.tolist()
+        values = np.zeros(task.successors.shape) if initial_q is None else initial_q
+        self._q: list[list[float]] = values.tolist()  # type: ignore[assignment]
 
     def run(self, episodes: int) -> int:
         """Learn; return the number of steps taken."""
@@ -197,9 +198,9 @@ class GymnasiumLoop:
             ended = False
             while not ended:
                 if generator.random() < task.epsilon:
-                    action = generator.integers(4)
+                    action = int(generator.integers(4))
                 else:
-                    action = generator.choice(np.flatnonzero(q[state] == q[state].max()))
+                    action = int(generator.choice(np.flatnonzero(q[state] == q[state].max())))
                 after, reward, ended, _, _ = world.step(action)
                 target = reward if ended else reward + task.gamma * q[after].max()
                 q[state, action] += task.alpha * (target - q[state, action])

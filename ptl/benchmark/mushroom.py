@@ -9,8 +9,9 @@ is used as it is.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, MutableSequence
 from contextlib import contextmanager
+from importlib import import_module
 from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 class _Placeholder(ModuleType):
     """Anything of PyTorch: module, class, function or value; usable only while mushroom-rl is being imported."""
 
-    __path__: Sequence[str] = ()
+    __path__: MutableSequence[str] = []  # noqa: RUF012  as in ModuleType
     sealed = False
 
     def __getattr__(self, name: str) -> _Placeholder:
@@ -64,8 +65,8 @@ def _torch_importable() -> Iterator[None]:
         yield
         return
     # These look for PyTorch among the loaded modules, so they come before the placeholder.
-    import scipy.stats
-    import sklearn.utils.extmath  # noqa: F401
+    import_module("scipy.stats")
+    import_module("sklearn.utils.extmath")
 
     finder = _PlaceholderFinder()
     sys.meta_path.insert(0, finder)
@@ -93,9 +94,7 @@ class World(Environment):
         self._task = task
         self._state = np.array([task.start])
         n_states, n_actions = task.successors.shape
-        super().__init__(
-            MDPInfo(spaces.Discrete(n_states), spaces.Discrete(n_actions), task.gamma, np.inf)
-        )
+        super().__init__(MDPInfo(spaces.Discrete(n_states), spaces.Discrete(n_actions), task.gamma, np.inf))
 
     def reset(self, state: np.ndarray | None = None) -> np.ndarray:
         """Put the agent on the start."""

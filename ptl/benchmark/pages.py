@@ -60,13 +60,13 @@ def speed_page(summary: pd.DataFrame) -> Page:
     return Page(
         title="Steps with Q-update per CPU second",
         intro="Q-learning of environment 1, task F, from scratch: 200 episodes, same α, γ, ε and law for all.",
-        columns=["learner", "million steps/s", "least to greatest", "ratio", "least to greatest "],
+        columns=["learner", "million steps/s", "rate, least to greatest", "ratio", "ratio, least to greatest"],
         rows=rows,
         notes=(
             f"Median of {int(summary['repeats'].min())} rounds; in each round all learners run one after another,"
             f" and a ratio compares a round with itself. One core. The ratio is to “{BASE}”.",
             "Gymnasium and mushroom-rl run every twentieth episode of the task, begun with the Q that the kernel"
-            " has there: the whole task would take them minutes, and their speed hardly depends on Q.",
+            " has there; the whole task would take them minutes.",
             "While Q is zero: α = 0, so that every episode follows the law of the first one. The shortcut works"
             " where Q has been zero all around; its steps follow the same law, but two of them cost one look-up.",
             "The tests' reference draws the same random numbers as the kernel and gives the same Q bit for bit;"

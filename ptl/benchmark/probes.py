@@ -52,9 +52,7 @@ def world_of(kind: str, states: int) -> GridWorld:
         return GridWorld.from_text(mazes.chain_of_rooms(max(2, round(states / 101)), 10, "A"), "chain")
     if kind == "rooms":
         side = round((states / 0.64) ** 0.5) + 2
-        return GridWorld.from_text(
-            mazes.random_rooms(np.random.default_rng(states), side, side, "A"), "rooms"
-        )
+        return GridWorld.from_text(mazes.random_rooms(np.random.default_rng(states), side, side, "A"), "rooms")
     if kind == "ring":
         side = round(states / 4) + 1
         grid = np.full((side, side), mazes.FREE)
@@ -142,6 +140,7 @@ def _discovery(world: GridWorld, learner: Learner) -> list[Record]:
     learner.begin_episode(world.start)
     learner.follow(policy, world.goals["A"])
     paths = [learner.erased_path()] * Parameters().subgoals.trajectories
+
     def after_a_task() -> None:
         graph = TransitionGraph(world.successors, everything)
         library = SkillLibrary(novelty=0.0)
@@ -260,7 +259,7 @@ def tasks(map_path: str, number: int) -> list[Record]:
             since, begin = done, time.process_time()
         return record
 
-    learning.learn_task = watched
+    learning.learn_task = watched  # type: ignore[assignment]
     try:
         grow_library(world, number, Parameters(), 0, "benchmark", 0)
     finally:

@@ -35,7 +35,7 @@ class Plan:
     """
 
     states: Sequence[int] = (100, 300, 1000, 3000, 10_000, 30_000, 100_000)
-    ring: Sequence[int] = (300, 1000, 3000)
+    ring: Sequence[int] = (1000, 2000, 3900)
     skills: Sequence[int] = (1, 3, 10, 30, 100, 200, 500, 1000)
     tasks: int = 1000
     large: int = 300
@@ -45,7 +45,7 @@ class Plan:
     fit_tasks: int = 10
 
 
-SMALL = Plan((100, 300, 1000), (100, 300), (1, 10, 30), 20, 40, 500, 100, 1, 2)
+SMALL = Plan((100, 300, 1000), (100, 300), (1, 10, 30), 20, 40, 500, 100, 1, 1)
 """Sizes of a trial run: every number is measured, none says much."""
 
 
@@ -97,7 +97,12 @@ def probe(kind: str, *arguments: str) -> list[dict]:
 
 def with_exponents(measured: pd.DataFrame, plan: Plan) -> pd.DataFrame:
     """Add the exponent of each curve to its rows."""
-    first = {"states": plan.fit_states, "diameter": 0, "library": plan.fit_skills, "tasks": plan.fit_tasks}
+    first = {
+        "states": plan.fit_states,
+        "diameter": plan.fit_states,
+        "library": plan.fit_skills,
+        "tasks": plan.fit_tasks,
+    }
     parts = []
     for (part, _, _), curve in measured.groupby(["part", "kind", "quantity"], sort=False):
         high_end = curve[curve["size"] >= first.get(part, np.inf)]

@@ -65,9 +65,7 @@ def speed(
 @command.command()
 @click.option("--map", "map_path", required=True, type=FILE, help="Map of the life of many tasks.")
 @click.option("--small", is_flag=True, help="A trial with small sizes.")
-@click.option(
-    "--output", required=True, type=FILE, help="PNG to write; SVG, CSV and Markdown get the same name."
-)
+@click.option("--output", required=True, type=FILE, help="PNG to write; SVG, CSV and Markdown get the same name.")
 def scaling(map_path: Path, small: bool, output: Path) -> None:
     """Measure how the cost grows with states, skills and tasks."""
     from ptl.benchmark import machine, pages

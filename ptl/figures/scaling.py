@@ -42,7 +42,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     _dress(work, "Work around the episodes", "states of the map", "CPU seconds")
     _curves(step, frame[frame["part"] == "states"], STEP, scale=1e9)
     _dress(step, "One step of learning", "states of the map", "CPU nanoseconds")
-    step.set_ylim(0.5, 50)
+    step.set_ylim(0.5, 100)
     _curves(library, frame[frame["part"] == "library"], LIBRARY, kinds_in_legend=False)
     _dress(library, "Library", "skills in the library", "CPU seconds")
     _tasks(tasks, frame[frame["part"] == "tasks"])
@@ -56,10 +56,8 @@ def _curves(
         exponents = []
         for kind, curve in part[part["quantity"] == quantity].groupby("kind", sort=False):
             marker, line = KINDS[str(kind)]
-            axes.plot(
-                curve["size"], scale * curve["value"], marker=marker, linestyle=line, color=colour, markersize=7
-            )
-            exponents.append(f"{curve['exponent'].iloc[0]:.2f}".replace("-", "−"))
+            axes.plot(curve["size"], scale * curve["value"], marker=marker, linestyle=line, color=colour, markersize=7)
+            exponents.append(_exponent(curve))
         axes.plot([], [], color=colour, label=f"{name}: p = {', '.join(exponents)}")
     if kinds_in_legend:
         for kind in part["kind"].unique():
@@ -74,19 +72,27 @@ def _tasks(axes: Axes, part: pd.DataFrame) -> None:
         (style.CATEGORIES[2], "skills in the library, count", "skills in the library", 1.0),
     ):
         curve = part[part["quantity"] == quantity]
-        exponent = f"{curve['exponent'].iloc[0]:.2f}".replace("-", "−")
         axes.plot(
-            curve["size"], scale * curve["value"], "o-", color=colour, markersize=7, label=f"{name}: p = {exponent}"
+            curve["size"],
+            scale * curve["value"],
+            "o-",
+            color=colour,
+            markersize=7,
+            label=f"{name}: p = {_exponent(curve)}",
         )
-    _dress(axes, "One life of many tasks", "tasks learned", "see the legend")
+    _dress(axes, "One life of many tasks", "tasks learned", "value, unit in the legend")
+
+
+def _exponent(curve: pd.DataFrame) -> str:
+    return f"{curve['exponent'].iloc[0]:.2f}".replace("-0.00", "0.00").replace("-", "−")
 
 
 def _dress(axes: Axes, title: str, x: str, y: str) -> None:
     axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (high / low) ** 0.42)  # room for the legend above the curves
+    axes.set_ylim(low, high * (high / low) ** 0.5)  # room for the legend above the curves
     axes.set_title(title)
-    axes.legend(loc="upper left", fontsize=13)
+    axes.legend(loc="upper left", fontsize=13, title="cost ∝ sizeᵖ", title_fontsize=13, alignment="left")
     axes.minorticks_off()
     if np.isfinite(low) and axes.get_ylim()[1] / axes.get_ylim()[0] > 1e7:
         axes.locator_params(axis="y", numticks=7)
