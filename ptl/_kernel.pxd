@@ -1,8 +1,10 @@
 # The parts of the episode kernel that other compiled modules of the package use.
+cimport cython
 from libc.stdint cimport int64_t, uint8_t, uint32_t, uint64_t
 from numpy.random cimport bitgen_t
 
 
+@cython.final
 cdef class Dynamics:
     cdef readonly int n_states
     cdef object _keep, fresh_moves
@@ -12,6 +14,7 @@ cdef class Dynamics:
     cdef uint32_t* first_predecessor
 
 
+@cython.final
 cdef class Learner:
     cdef readonly Dynamics dynamics
     cdef object _keep, _generator

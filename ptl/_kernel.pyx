@@ -69,6 +69,7 @@ for _set in range(1, 16):
         TIED_ACTION[_set][_slot] = _tied[_slot * len(_tied) // GREEDY_SLOTS]
 
 
+@cython.final
 cdef class Dynamics:
     """The transitions of one map in the layout of the kernel; shared by all learners on the map.
 
@@ -168,6 +169,7 @@ cdef inline void step(Learner learner, uint32_t action) noexcept nogil:
     learner.taken += 1
 
 
+@cython.final
 cdef class Learner:
     """Learns one task in one world, episode by episode.
 
@@ -379,21 +381,27 @@ cdef class Learner:
                 self.cold[before[j]] = 0
 
     cdef void fill_moves(self, uint32_t state) noexcept nogil:
-        """Rewrite the greedy slots of a state (its uniform slots never change) after its set of greedy actions has changed."""
-        cdef int slot, action
-        for slot in range(GREEDY_SLOTS):
-            action = TIED_ACTION[self.greedy[state]][slot]
-            self.moves[SLOTS * state + slot] = self.moves[SLOTS * state + GREEDY_SLOTS + action]
+        """Rewrite the greedy slots of a state after its set of greedy actions has changed; uniform slots never do."""
+        cdef uint32_t* row = &self.moves[SLOTS * state]
+        cdef uint8_t greedy = self.greedy[state]
+        cdef uint32_t move
+        cdef int slot
+        if greedy & (greedy - 1):
+            for slot in range(GREEDY_SLOTS):
+                row[slot] = row[GREEDY_SLOTS + TIED_ACTION[greedy][slot]]
+        else:
+            # One greedy action, by far the most frequent case once Q is informed.
+            move = row[GREEDY_SLOTS + TIED_ACTION[greedy][0]]
+            for slot in range(GREEDY_SLOTS):
+                row[slot] = move
 
     cdef void refresh(self, uint32_t state) noexcept nogil:
         """Find the best value and the greedy actions of a state anew (exact equality makes a tie)."""
         cdef double* q = &self.values[4 * state]
-        cdef double best = q[0]
+        cdef double first = q[1] if q[1] > q[0] else q[0]
+        cdef double second = q[3] if q[3] > q[2] else q[2]
+        cdef double best = second if second > first else first
         cdef uint8_t greedy
-        cdef int action
-        for action in range(1, 4):
-            if q[action] > best:
-                best = q[action]
         greedy = (q[0] == best) | (q[1] == best) << 1 | (q[2] == best) << 2 | (q[3] == best) << 3
         self.best[state] = best
         if state != self.goal:

@@ -7,10 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from ptl.benchmark.speed import BASE
+from ptl.benchmark.speed import BASE, EPISODES
 from ptl.benchmark.startup import PHASES
 from ptl.methods import load
 from ptl.pages import Page
+from ptl.parameters import Parameters
 
 CSV_COLUMNS = ["part", "item", "quantity", "value", "low", "high", "repeats"]
 
@@ -26,12 +27,27 @@ def benchmark_csv(
 
 
 def benchmark_markdown(
-    machine: Mapping[str, str], speed: pd.DataFrame, startup: pd.DataFrame, run: pd.DataFrame | None, log: str
+    machine: Mapping[str, str],
+    speed: pd.DataFrame,
+    startup: pd.DataFrame,
+    run: pd.DataFrame | None,
+    *,
+    place: str,
+    letter: str,
+    log: str = "",
 ) -> str:
-    """The benchmark as one Markdown page; ``log`` says which run was taken apart."""
+    """The benchmark as one Markdown page.
+
+    Parameters
+    ----------
+    place, letter : str
+        Map and goal letter of the task that was learned; the jobs learned all tasks of the map.
+    log : str
+        Which run was taken apart.
+    """
     lines = ["# Benchmark", "", "Measured on this machine, all in one run:", ""]
     lines += [f"* {name}: {text}" for name, text in machine.items()]
-    pages = [speed_page(speed), startup_page(startup)]
+    pages = [speed_page(speed, place, letter), startup_page(startup, place)]
     sections = ["\n".join(lines) + "\n", *(page.to_markdown() for page in pages)]
     if run is None:
         sections.append(
@@ -43,7 +59,7 @@ def benchmark_markdown(
     return "\n".join(sections)
 
 
-def speed_page(summary: pd.DataFrame) -> Page:
+def speed_page(summary: pd.DataFrame, place: str, letter: str) -> Page:
     """Rates and ratios of all contestants."""
     rows = []
     for item, group in summary.groupby("item", sort=False):
@@ -59,7 +75,7 @@ def speed_page(summary: pd.DataFrame) -> Page:
         )
     return Page(
         title="Steps with Q-update per CPU second",
-        intro="Q-learning of environment 1, task F, from scratch: 200 episodes, same α, γ, ε and law for all.",
+        intro=f"Q-learning of {place}, task {letter}, from scratch: {EPISODES} episodes, same α, γ, ε and law for all.",
         columns=["learner", "million steps/s", "rate, least to greatest", "ratio", "ratio, least to greatest"],
         rows=rows,
         notes=(
@@ -75,7 +91,7 @@ def speed_page(summary: pd.DataFrame) -> Page:
     )
 
 
-def startup_page(summary: pd.DataFrame) -> Page:
+def startup_page(summary: pd.DataFrame, place: str) -> Page:
     """Phases of a learning job of every method."""
     rows = []
     for method, group in summary.groupby("item", sort=False):
@@ -86,7 +102,7 @@ def startup_page(summary: pd.DataFrame) -> Page:
         rows.append([load(str(method)).label, *cells, f"{values.loc['peak MiB', 'value']:.0f}"])
     return Page(
         title="One learning job, from the start of Python to its end",
-        intro="Environment 1, six tasks of 200 episodes; CPU time, user and system, in milliseconds.",
+        intro=f"All tasks of {place}, {Parameters().learning.episodes} episodes each; CPU time (user, system) in ms.",
         columns=["method", *PHASES, "all, in seconds", "peak memory, MiB"],
         rows=rows,
         notes=(

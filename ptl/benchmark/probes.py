@@ -10,7 +10,6 @@ import json
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -288,23 +287,20 @@ def large(side: int) -> list[Record]:
     ]
 
 
-def main(arguments: list[str]) -> None:
-    """Make the measurement that the arguments name."""
+MEASUREMENTS: dict[str, Callable[..., list[Record]]] = {
+    "states": states,
+    "diameter": diameter,
+    "library": library,
+    "tasks": tasks,
+    "large": large,
+}
+
+
+def records_of(arguments: list[str]) -> list[Record]:
+    """Make the measurement that the first argument names, with the others, whole numbers where they look so."""
     kind, *rest = arguments
-    if kind == "states":
-        records = states(rest[0], int(rest[1]))
-    elif kind == "diameter":
-        records = diameter(rest[0], int(rest[1]))
-    elif kind == "library":
-        records = library(int(rest[0]), int(rest[1]))
-    elif kind == "tasks":
-        records = tasks(str(Path(rest[0])), int(rest[1]))
-    elif kind == "large":
-        records = large(int(rest[0]))
-    else:
-        raise ValueError(f"unknown measurement: {kind}")
-    print(json.dumps(records))
+    return MEASUREMENTS[kind](*(int(text) if text.isdecimal() else text for text in rest))
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    print(json.dumps(records_of(sys.argv[1:])))

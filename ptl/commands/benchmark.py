@@ -58,7 +58,8 @@ def speed(
     log = run_log.newest_whole_run(LOG_FOLDER, learning_jobs)
     rules = run_log.summarise(run_log.read_run(log)) if log else None
     name = f"The run of {log.name.partition('.')[0].replace('T', ', ')}" if log else ""
-    write_text(output, pages.benchmark_markdown(computer, rates, phases, rules, name))
+    page = pages.benchmark_markdown(computer, rates, phases, rules, place=map_path.stem, letter=letter, log=name)
+    write_text(output, page)
     write_csv(pages.benchmark_csv(computer, rates, phases, rules), output.with_suffix(".csv"))
 
 

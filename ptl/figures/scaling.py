@@ -90,7 +90,7 @@ def _exponent(curve: pd.DataFrame) -> str:
 def _dress(axes: Axes, title: str, x: str, y: str) -> None:
     axes.set(xscale="log", yscale="log", xlabel=x, ylabel=y)
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high * (high / low) ** 0.5)  # room for the legend above the curves
+    axes.set_ylim(low, high * (high / low) ** 0.62)  # room for the legend above the curves
     axes.set_title(title)
     axes.legend(loc="upper left", fontsize=13, title="cost ∝ sizeᵖ", title_fontsize=13, alignment="left")
     axes.minorticks_off()

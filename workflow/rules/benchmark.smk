@@ -7,8 +7,8 @@ rule compare_speed:
     input:
         map=config["environments"][ENVIRONMENTS[0]]["map"],
     output:
-        "<reports>/benchmark.md",
-        "<reports>/benchmark.csv",
+        page="<reports>/benchmark.md",
+        table="<reports>/benchmark.csv",
     log:
         "<logs>/compare_speed.log",
     conda:
@@ -24,7 +24,7 @@ rule compare_speed:
         "Timing the kernel beside other learners, and taking a learning job and a whole run apart"
     shell:
         "ptl benchmark speed --map {input.map:q} --task {params.task} {params.methods}"
-        " --learning-jobs {params.learning_jobs} --output {output[0]:q} 2> {log:q}"
+        " --learning-jobs {params.learning_jobs} --output {output.page:q} 2> {log:q}"
 
 
 rule measure_scaling:

@@ -41,6 +41,35 @@ rule judge_claims:
         " --output-md {output.md:q} --output-html {output.html:q} 2> {log:q}"
 
 
+rule explain_differences:
+    input:
+        claims=rules.judge_claims.output.csv,
+        parts=rules.judge_claims.output.parts,
+    output:
+        md="<reports>/differences.md",
+        html=report(
+            "<reports>/differences.html",
+            caption="../report/differences.rst",
+            category="1 Verdicts",
+            labels={
+                "item": "Differences",
+                "shows": "the article's numbers beside ours, and why they differ",
+            },
+        ),
+    log:
+        "<logs>/differences.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        code=code_digest("ptl.commands.differences", "ptl.differences"),
+    message:
+        "Laying out where the run differs from the article"
+    shell:
+        "ptl differences {input.claims:q} {input.parts:q} --output-md {output.md:q} --output-html {output.html:q}"
+        " 2> {log:q}"
+
+
 rule claims:
     input:
         rules.judge_claims.output,
+        rules.explain_differences.output,
