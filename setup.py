@@ -38,6 +38,7 @@ extensions = [
     Extension(
         name,
         sources[:1],
+        depends=sources,
         include_dirs=[numpy.get_include()],
         define_macros=[
             ("PTL_SOURCE_DIGEST", f'"{digest(sources)}"'),
