@@ -41,9 +41,9 @@ DIFFERENCES = (
         "E1-jump",
         "initial performance improves by about 80 to 90 %",
         ("task F, ptl, jump start", "jump start in % of the base's mean"),
-        "Tested with 400 runs: 65 % (standard error 2) for ptl and 78 % (1) for ptl_supervised, against the exact mean"
-        " without transfer of 34,969 steps. So the reference setting falls short, by less than 30 runs can show: lengths"
-        " of first episodes are heavy-tailed.",
+        "Tested with 400 runs: 65 % (standard error 2) for ptl and 78 % (1) for ptl_supervised, against the exact"
+        " mean of 34,969 steps without transfer. So the reference setting falls short, by less than 30 runs can show:"
+        " lengths of first episodes are heavy-tailed.",
     ),
     Difference(
         "E1-80",
@@ -67,9 +67,9 @@ DIFFERENCES = (
         "E2-subgoals",
         "goals in small rooms give subgoals at their doors",
         tuple(f"task {task}, subgoal at the door of the goal's room, share of runs" for task in "ABCD"),
-        "Unexplained. For B to D the metric peaks in the corridor two to three steps before the door: a state half-way"
-        " on the unknown rest wins, and the door lies nearer to the goal. The form of the distance and the drawing of"
-        " the map are both ours.",
+        "Unexplained. For B to D the metric peaks in the corridor two to three steps before the door: a state"
+        " half-way on the unknown rest wins, and the door lies nearer to the goal. The form of the distance and the drawing"
+        " of the map are both ours.",
     ),
     Difference(
         "E2-converge",
@@ -81,8 +81,8 @@ DIFFERENCES = (
         "E3-jump",
         "the jump start is not improved",
         ("task F, ptl, jump start", "task F, ptl, jump start in % of the base's mean"),
-        "Tested with 400 runs: the first episode of ptl is shorter by 83 % (standard error 2) on task F, where two stored"
-        " subgoals lie on the way and the nearest one close to the goal, but hardly on C, D and E (-7, 1 and 6 %). The"
+        "Tested with 400 runs: the first episode of ptl is shorter by 83 % (standard error 2) on task F, where two"
+        " stored subgoals lie on the way and the nearest one close to the goal, but hardly on C, D and E (-7, 1 and 6 %). The"
         " statement fits those tasks, not F.",
     ),
     Difference(
