@@ -4,6 +4,7 @@ PYTHON ?= python3
 CORES ?= 2
 RUN_TOOLS = .venv/.run-tools
 TEST_TOOLS = .venv/.test-tools
+BENCHMARK_TOOLS = .venv/.benchmark-tools
 SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
 SOURCES = setup.py pyproject.toml $(wildcard ptl/*.pyx ptl/*.pxd)
 
@@ -29,6 +30,9 @@ report: build  ## The page reports/published/report.html from what is there.
 
 robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
 	$(SNAKEMAKE) robustness
+
+benchmark: $(BENCHMARK_TOOLS) build  ## Speed and growth of cost on this machine: reports/published/benchmark.md.
+	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
 test: $(TEST_TOOLS) build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
@@ -69,6 +73,11 @@ $(TEST_TOOLS): requirements-test.lock $(RUN_TOOLS)
 	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements-test.lock
 	@touch $@
 
+$(BENCHMARK_TOOLS): requirements-benchmark.lock $(RUN_TOOLS)
+	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --require-hashes \
+	  --requirement requirements-benchmark.lock
+	@touch $@
+
 clean:  ## Remove results and workflow state (published products and .venv stay).
 	rm -rf results logs .snakemake build
 
@@ -78,3 +87,6 @@ lock: $(TEST_TOOLS)  ## Resolve the locked requirements anew (needs uv).
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate pyproject.toml requirements-build.in --extra test --extra slurm \
 	  -c requirements.lock -o requirements-test.lock
+	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes --no-deps \
+	  --no-emit-index-url --no-header --no-annotate requirements-benchmark.in -c requirements.lock \
+	  -o requirements-benchmark.lock

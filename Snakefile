@@ -24,6 +24,7 @@ include: "workflow/rules/fernandez_veloso.smk"
 include: "workflow/rules/robustness.smk"
 include: "workflow/rules/explorer.smk"
 include: "workflow/rules/products.smk"
+include: "workflow/rules/benchmark.smk"
 
 
 localrules:
@@ -37,6 +38,7 @@ localrules:
     explorer,
     fernandez_veloso,
     robustness,
+    benchmark,
 
 
 rule all:

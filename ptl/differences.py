@@ -68,7 +68,8 @@ DIFFERENCES = (
         "goals in small rooms give subgoals at their doors",
         tuple(f"task {task}, subgoal at the door of the goal's room, share of runs" for task in "ABCD"),
         "Unexplained. For B to D the metric peaks in the corridor two to three steps before the door: a state"
-        " half-way on the unknown rest wins, and the door lies nearer to the goal. The form of the distance and the drawing"
+        " half-way on the unknown rest wins, and the door lies nearer to the goal. The form of the distance"
+        " and the drawing"
         " of the map are both ours.",
     ),
     Difference(
@@ -82,7 +83,8 @@ DIFFERENCES = (
         "the jump start is not improved",
         ("task F, ptl, jump start", "task F, ptl, jump start in % of the base's mean"),
         "Tested with 400 runs: the first episode of ptl is shorter by 83 % (standard error 2) on task F, where two"
-        " stored subgoals lie on the way and the nearest one close to the goal, but hardly on C, D and E (-7, 1 and 6 %). The"
+        " stored subgoals lie on the way and the nearest one close to the goal, but hardly on C, D and E"
+        " (-7, 1 and 6 %). The"
         " statement fits those tasks, not F.",
     ),
     Difference(
