@@ -12,7 +12,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness benchmark test test-all lint format build clean lock
+.PHONY: help reproduce smoke report robustness benchmark test test-browser test-all lint format build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -36,6 +36,9 @@ benchmark: $(BENCHMARK_TOOLS) build  ## Speed and growth of cost on this machine
 
 test: $(TEST_TOOLS) build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
+
+test-browser: $(TEST_TOOLS) build  ## Report and explorer in headless Chromium (needs chromium and chromedriver).
+	.venv/bin/python -m pytest -q -m browser
 
 test-all: $(TEST_TOOLS) build  ## The whole test suite.
 	.venv/bin/python -m pytest -q -n $(CORES)
