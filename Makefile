@@ -5,7 +5,7 @@ CORES ?= 2
 RUN_TOOLS = .venv/.run-tools
 TEST_TOOLS = .venv/.test-tools
 BENCHMARK_TOOLS = .venv/.benchmark-tools
-SNAKEMAKE = .venv/bin/snakemake --cores $(CORES)
+SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
 SOURCES = setup.py pyproject.toml $(wildcard ptl/*.pyx ptl/*.pxd)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)

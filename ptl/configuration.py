@@ -31,7 +31,13 @@ def check(config: Mapping[str, Any], schema_path: str | Path) -> None:
         raise UserError(_in_one_line(error))
     for identifier in config["methods"]:
         methods.load(identifier)
-    growth_environment = config.get("growth", {}).get("environment", "env3")
+    growth = {"environment": "env3", "tasks": 30, "breakpoint": 7, **config.get("growth", {})}
+    growth_environment = growth["environment"]
+    if growth["tasks"] <= growth["breakpoint"]:
+        raise UserError(
+            f"configuration key growth.tasks: {growth['tasks']} leaves nothing beyond growth.breakpoint"
+            f" ({growth['breakpoint']}); give more tasks or an earlier breakpoint"
+        )
     if growth_environment not in config["environments"]:
         raise UserError(
             f"configuration key growth.environment: {growth_environment!r} is not among the environments"

@@ -63,6 +63,7 @@ def test_published_and_smoke_configurations_pass():
         ("run", "$(touch x)", "configuration key run"),
         ("run", "a b", "configuration key run"),
         ("growth.environment", "env9", "configuration key growth.environment: 'env9' is not among the environments"),
+        ("growth.tasks", 7, "configuration key growth.tasks: 7 leaves nothing beyond growth.breakpoint (7)"),
         ("subgoal_frequencies.starts", "some", "configuration key subgoal_frequencies.starts"),
         ("statistics.confidence", 95, "configuration key statistics.confidence: 95 is not allowed; give less than 1"),
     ],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import re
 import shutil
@@ -23,7 +24,7 @@ environments:
 methods: [no_transfer, policy_reuse, ptl]
 learning: {episodes: 20}
 statistics: {resamples: 100}
-growth: {environment: rooms, tasks: 3, runs: 2}
+growth: {environment: rooms, tasks: 4, runs: 2, breakpoint: 2}
 subgoal_frequencies: {trajectories: 3, starts: 2, batches: 1}
 """
 
@@ -264,3 +265,24 @@ def test_commands_end_in_one_line_on_bad_input(tmp_path):
     assert ptl("show-map", str(ROOT / "config/environments/env1.txt")).returncode == 0
     for command in ("learn", "inspect", "verify", "show-map"):
         assert ptl(command, "--help").returncode == 0
+
+
+def test_make_targets_go_on_after_a_kill(tiny):
+    """A lock left behind is taken away, but not while another run is alive."""
+    locks = tiny.folder / ".snakemake/locks"
+    locks.mkdir(parents=True, exist_ok=True)
+    (locks / "0.input.lock").write_text("rooms.txt\n")
+    (locks / "0.output.lock").write_text("results/tiny/learning/rooms/ptl/seed_000.h5\n")
+    environment = dict(os.environ, PYTHONPATH=str(tiny.folder))
+    run = [sys.executable, "-m", "ptl", "workflow", "-j2"]
+    path = tiny.folder / "results/tiny/learning/rooms/ptl/seed_000.h5"
+    whole = path.read_bytes()
+    path.unlink()
+    assert "locked" in tiny.snakemake(str(path.relative_to(tiny.folder))).stderr
+    with (tiny.folder / ".snakemake/running").open("w") as guard:
+        fcntl.flock(guard, fcntl.LOCK_EX)
+        done = subprocess.run(run, cwd=tiny.folder, env=environment, capture_output=True, text=True)
+        assert done.returncode == 1 and "error: another run is under way" in done.stderr
+    done = subprocess.run(run, cwd=tiny.folder, env=environment, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert path.read_bytes() == whole
