@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import shutil
 from urllib.parse import quote
 
 import matplotlib as mpl
@@ -12,8 +11,6 @@ import numpy as np
 import pytest
 from explorer_runs import METHODS, SEEDS, TITLES, write_runs
 from oracles import distances, hitting_time
-from selenium import webdriver
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
@@ -28,10 +25,6 @@ from ptl.store import open_learning
 
 pytestmark = pytest.mark.browser
 
-FLAGS = (
-    "--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking"
-    " --disable-component-update --disable-sync --disable-default-apps --disable-extensions"
-)
 DESKTOP = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
 PHONE = {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True}
 READABLE = 4.5  # contrast of text, WCAG 2 AA
@@ -47,24 +40,6 @@ def address(files):
     page = files[0].parents[2] / "explorer.html"
     page.write_text(build(collect(files, titles=TITLES)), encoding="utf-8")
     return page.as_uri()
-
-
-@pytest.fixture(scope="module")
-def browser(tmp_path_factory):
-    programs = [shutil.which(name) for name in ("chromium", "chromedriver")]
-    if None in programs:
-        pytest.fail(
-            "the browser tests need chromium and chromedriver (apt-get install chromium chromium-driver);"
-            " leave them out with -m 'not browser'"
-        )
-    options = webdriver.ChromeOptions()
-    options.binary_location = programs[0]
-    for flag in (*FLAGS.split(), f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    driver = webdriver.Chrome(options=options, service=Service(programs[1]))
-    yield driver
-    driver.quit()
 
 
 class Page:
