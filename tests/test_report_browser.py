@@ -53,8 +53,8 @@ def test_front_page_says_what_was_asked_and_found(page):
 @pytest.mark.parametrize(
     ("category", "item"),
     [
-        ("1 Verdicts", "verdict and numbers for every claim"),
-        ("1 Verdicts", "the article's numbers beside ours, and why they differ"),
+        ("1 Verdicts", "Claims: verdict and numbers for every claim"),
+        ("1 Verdicts", "Differences: the article's numbers beside ours, and why they differ"),
         ("2 Figures", "growth of the skill library"),
         ("2 Figures", "steps per episode on the last task"),
         ("6 Checks", "gain in Fernandez and Veloso's own experiment"),

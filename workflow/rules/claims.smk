@@ -20,7 +20,7 @@ rule judge_claims:
             "<reports>/claims.html",
             caption="../report/claims.rst",
             category="1 Verdicts",
-            labels={"item": "Claims", "shows": "verdict and numbers for every claim"},
+            labels={"item": "Claims: verdict and numbers for every claim"},
         ),
     log:
         "<logs>/claims.log",
@@ -52,8 +52,7 @@ rule explain_differences:
             caption="../report/differences.rst",
             category="1 Verdicts",
             labels={
-                "item": "Differences",
-                "shows": "the article's numbers beside ours, and why they differ",
+                "item": "Differences: the article's numbers beside ours, and why they differ"
             },
         ),
     log:
