@@ -1,0 +1,29 @@
+"""The published products are tracked, and that must not keep a first run from making them."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from test_workflow import ROOT, Project
+
+
+def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path):
+    project = Project(tmp_path)
+    shutil.copytree(
+        ROOT / "reports/published",
+        tmp_path / "reports/published",
+        ignore=shutil.ignore_patterns("report.html", "explorer.html"),
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "snakemake", "-n", "--quiet", "reason"],
+        cwd=project.folder, capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    jobs = {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", done.stdout + done.stderr, flags=re.M)}
+    assert jobs["learn"] == 540 and jobs["grow"] == 30 and jobs["survey_batch"] == 24
+    for rule in ("collect_growth", "draw_frequencies", "tabulate", "judge_claims", "report_fv", "manifest"):
+        assert rule in jobs
