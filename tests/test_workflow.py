@@ -36,6 +36,7 @@ class Project:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        folder.mkdir(exist_ok=True)
         for name in ("Snakefile", "config", "workflow", "profiles", "ptl"):
             source = ROOT / name
             if source.is_dir():
@@ -160,7 +161,7 @@ def test_report_holds_the_products(smoke):
         ("ptl/figures/maps.py", {"draw_map"}, {"learn", "grow", "survey_batch", "measure", "draw_growth"}),
         ("ptl/tables.py", {"tabulate"}, {"learn", "grow", "survey_batch", "draw_map"}),
         ("ptl/methods/policy_reuse.py", {"learn"}, {"grow", "survey_batch", "draw_map"}),
-        ("ptl/subgoals.py", {"learn", "grow"}, {"survey_batch", "draw_map"}),
+        ("ptl/subgoals.py", {"learn", "grow"}, {"draw_map", "draw_prior", "library_cost"}),
     ],
 )
 def test_an_edit_reruns_what_hangs_on_it_and_nothing_else(tiny, edited, reruns, spares):
@@ -223,7 +224,7 @@ def test_damaged_file_is_named_and_the_advised_command_mends_it(tiny):
         ("seeds=0", "configuration key seeds: 0 is not allowed; give at least 1"),
         ("methods=[ptl,sarsa]", "unknown method 'sarsa'"),
         ("learnin={}", "unknown key 'learnin'"),
-        ("learning={alpha: -1}", "configuration key learning.alpha: -1 is not allowed"),
+        ("learning={alpha: -1}", "configuration key learning.alpha: '-1' is not allowed; give a value of type number"),
     ],
 )
 def test_bad_configuration_ends_in_one_line(tiny, override, says):
