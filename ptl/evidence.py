@@ -104,9 +104,7 @@ class Evidence:
     def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
         columns = list(PER_SEED_METRICS)
         return {
-            (str(environment), str(task), str(method)): part.set_index("seed")[columns]
-            .astype(float)
-            .sort_index()
+            (str(environment), str(task), str(method)): part.set_index("seed")[columns].astype(float).sort_index()
             for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"])
         }
 
@@ -196,9 +194,7 @@ def read_evidence(
         subgoals=None if subgoals is None else _read_table(subgoals, where),
         growth=None if growth is None else _read_table(growth, ("run", "tasks", "library_size")),
         selection_cost=None if selection_cost is None else _read_table(selection_cost, ("skills", "seconds")),
-        library_bytes=None
-        if library_bytes is None
-        else _read_table(library_bytes, ("states", "skills", "bytes")),
+        library_bytes=None if library_bytes is None else _read_table(library_bytes, ("states", "skills", "bytes")),
         how=how or Resampling(),
     )
 

@@ -26,7 +26,10 @@ their order and colours everywhere.
 
 
 def compose(
-    claims: pd.DataFrame, metrics: pd.DataFrame, titles: Mapping[str, str], last_tasks: Mapping[str, str],
+    claims: pd.DataFrame,
+    metrics: pd.DataFrame,
+    titles: Mapping[str, str],
+    last_tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> str:
     """The page as reStructuredText.

@@ -215,13 +215,9 @@ def measure_files(
                     "seed": seeds,
                     "first_episode": first_episode(own),
                     "asymptotic": asymptotic(own, window),
-                    "threshold_episode": _integers(
-                        threshold_episode(own, shortest, window, threshold_factor)
-                    ),
+                    "threshold_episode": _integers(threshold_episode(own, shortest, window, threshold_factor)),
                     "total_steps": total_steps(own),
-                    "jump_start": _integers(
-                        None if reference is None else jump_start(own, reference), len(seeds)
-                    ),
+                    "jump_start": _integers(None if reference is None else jump_start(own, reference), len(seeds)),
                     "transfer_ratio": np.nan if reference is None else transfer_ratio(own, reference),
                     "truncated": [collection.truncated[key][seed] for seed in seeds],
                 }

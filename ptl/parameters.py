@@ -41,9 +41,7 @@ class _Checked:
                 _check_number(key, value, item.default, *item.metadata["range"])
 
 
-def _check_number(
-    key: str, value: Any, default: Any, low: float, high: float, open_low: bool, open_high: bool
-) -> None:
+def _check_number(key: str, value: Any, default: Any, low: float, high: float, open_low: bool, open_high: bool) -> None:
     whole = isinstance(default, int)
     kind = "a whole number" if whole else "a number"
     bounds = f"{kind} in {'(' if open_low else '['}{low:g}, {high:g}{')' if open_high else ']'}"
@@ -148,5 +146,3 @@ def _refuse_unknown(given: Any, known: Any, prefix: str) -> None:
     for key in given:
         if key not in known:
             raise UserError(f"configuration key {prefix}{key}: unknown; known are {', '.join(known)}")
-
-

@@ -207,9 +207,7 @@ def _bootstrap(
         # scipy warns where BCa is undefined and gives NaN, which is handled here
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)
         warnings.filterwarnings("ignore", "invalid value encountered", RuntimeWarning)
-        result = stats.bootstrap(
-            samples, statistic, n_resamples=how.resamples, method=method, rng=generator, **options
-        )
+        result = stats.bootstrap(samples, statistic, n_resamples=how.resamples, method=method, rng=generator, **options)
         low, high = result.confidence_interval
         if not (np.isfinite(low) and np.isfinite(high)):
             result = stats.bootstrap(
@@ -232,9 +230,7 @@ def read_per_seed(path: str | Path) -> pd.DataFrame:
             na_values={name: [""] for name in PER_SEED_METRICS},
         )
     except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise UserError(
-            f"{path}: cannot be read as a per-seed table ({error}); run `ptl measure` first"
-        ) from error
+        raise UserError(f"{path}: cannot be read as a per-seed table ({error}); run `ptl measure` first") from error
 
 
 def summarise(per_seed: pd.DataFrame, how: Resampling, base: str = "no_transfer") -> pd.DataFrame:
@@ -290,9 +286,7 @@ def _check_per_seed(per_seed: pd.DataFrame) -> None:
         )
 
 
-def _pair(
-    part: pd.DataFrame, reference: pd.DataFrame, names: tuple[str, str, str], base: str
-) -> pd.DataFrame:
+def _pair(part: pd.DataFrame, reference: pd.DataFrame, names: tuple[str, str, str], base: str) -> pd.DataFrame:
     unpaired = part.index.difference(reference.index)
     if len(unpaired):
         environment, task, method = names
@@ -339,9 +333,7 @@ def _method_rows(
     yield _spread(part["truncated"].to_numpy(dtype=float), names, "truncated", how)
 
 
-def _spread(
-    values: np.ndarray, names: tuple[str, str, str], metric: str, how: Resampling
-) -> dict[str, object]:
+def _spread(values: np.ndarray, names: tuple[str, str, str], metric: str, how: Resampling) -> dict[str, object]:
     present = values[~np.isnan(values)]
     middle = mean(present, how, named_generator(*names, metric, "mean"))
     quartiles = interquartile_mean(present, how, named_generator(*names, metric, "iqm"))
@@ -369,9 +361,7 @@ def _improvement(
 ) -> dict[str, object]:
     worst = np.inf if better == "lower" else -np.inf
     own, other = (series.astype(float).fillna(worst).to_numpy() for series in (values, base))
-    estimate = probability_of_improvement(
-        own, other, better, how, named_generator(*names, metric, "improvement")
-    )
+    estimate = probability_of_improvement(own, other, better, how, named_generator(*names, metric, "improvement"))
     return {
         "improvement": estimate.value,
         "improvement_low": estimate.low,

@@ -258,8 +258,7 @@ def _build(
                 label=labels[method][0],
                 colour=labels[method][1],
                 cells=tuple(
-                    _cell(c, by_key.loc[method, c.key], method in best.get(c.key, ()), method == base)
-                    for c in columns
+                    _cell(c, by_key.loc[method, c.key], method in best.get(c.key, ()), method == base) for c in columns
                 ),
             )
             for method in methods
@@ -449,9 +448,7 @@ def to_latex(table: Table) -> str:
         last = position + column.width - 1
         tops.append(rf"\multicolumn{{{column.width}}}{{c}}{{{escape_latex(column.heading)}}}")
         rules.append(rf"\cmidrule(lr){{{position}-{last}}}")
-        units += (
-            [escape_latex(column.unit)] + ["reached"] * column.with_share + ["$P$"] * column.with_improvement
-        )
+        units += [escape_latex(column.unit)] + ["reached"] * column.with_share + ["$P$"] * column.with_improvement
         position = last + 1
     head = [
         r"\toprule",
@@ -568,9 +565,7 @@ def to_html(table: Table) -> str:
     for group in table.groups:
         heading = html.escape(group.heading)
         lines.append("<tbody>")
-        lines.append(
-            f'<tr><th class="task" colspan="{width}" scope="rowgroup"><span>{heading}</span></th></tr>'
-        )
+        lines.append(f'<tr><th class="task" colspan="{width}" scope="rowgroup"><span>{heading}</span></th></tr>')
         for row in group.rows:
             dot = f'<span class="dot" style="background:{html.escape(row.colour)}"></span>'
             cells = [f'<th scope="row">{dot}{html.escape(row.label)}</th>']

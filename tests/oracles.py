@@ -100,9 +100,7 @@ def reachable(successors: np.ndarray, state: int) -> set[int]:
     return found
 
 
-def distances_over(
-    successors: np.ndarray, known: np.ndarray, target: int, *, both_ways: bool = False
-) -> np.ndarray:
+def distances_over(successors: np.ndarray, known: np.ndarray, target: int, *, both_ways: bool = False) -> np.ndarray:
     """Steps from every state to ``target`` over the known transitions only, shape (n_states,), -1 if unreachable."""
     states, actions = np.nonzero(known)
     n = len(successors)

@@ -103,9 +103,7 @@ class MadeUpRun:
             self.curves[environment, one, task] = theirs
 
     def evidence(self, seeds=SEEDS, methods=METHODS, environments=ENVIRONMENTS):
-        steps = {
-            key: self.steps(key, seeds) for key in self.curves if key[0] in environments and key[1] in methods
-        }
+        steps = {key: self.steps(key, seeds) for key in self.curves if key[0] in environments and key[1] in methods}
         return Evidence(
             per_seed=pd.concat([self.measured(key, steps) for key in steps], ignore_index=True),
             worlds={name: self.worlds[name] for name in environments},
@@ -159,9 +157,7 @@ class MadeUpRun:
     def growth(self, runs):
         tasks = np.arange(len(self.library_sizes))
         frames = [
-            pd.DataFrame(
-                {"run": run, "tasks": tasks, "library_size": self.library_sizes * (1 + 0.01 * (run % 3))}
-            )
+            pd.DataFrame({"run": run, "tasks": tasks, "library_size": self.library_sizes * (1 + 0.01 * (run % 3))})
             for run in range(runs)
         ]
         return pd.concat(frames, ignore_index=True)
@@ -597,9 +593,7 @@ def test_page_is_well_formed_and_says_verdicts_in_words(verdicts):
 @pytest.fixture
 def files(tmp_path, as_in_the_article):
     evidence = as_in_the_article
-    paths = {
-        name: tmp_path / f"{name}.csv" for name in ("per_seed", "subgoals", "growth", "selection", "bytes")
-    }
+    paths = {name: tmp_path / f"{name}.csv" for name in ("per_seed", "subgoals", "growth", "selection", "bytes")}
     frames = (
         evidence.per_seed, evidence.subgoals, evidence.growth, evidence.selection_cost, evidence.library_bytes
     )  # fmt: skip

@@ -85,9 +85,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         }
     ).to_csv(folder / "growth.csv", index=False)
     skills = np.array([1, 10, 100])
-    pd.DataFrame({"skills": skills, "seconds": 3e-5 + 1e-7 * skills}).to_csv(
-        folder / "selection.csv", index=False
-    )
+    pd.DataFrame({"skills": skills, "seconds": 3e-5 + 1e-7 * skills}).to_csv(folder / "selection.csv", index=False)
     storage = [(states, count, states * count) for states in (20, 50) for count in skills]
     pd.DataFrame(storage, columns=["states", "skills", "bytes"]).to_csv(folder / "storage.csv", index=False)
     (folder / "files.txt").write_text("".join(f"{folder / f'seed_{seed}.h5'}\n" for seed in range(SEEDS)))
@@ -121,8 +119,7 @@ def frames(inputs: Path) -> dict[str, pd.DataFrame]:
     for kind in ARGUMENTS:
         run(kind, inputs, inputs / "out" / f"{kind}.png")
     return {
-        kind: pd.read_csv(inputs / "out" / f"{kind}.csv", keep_default_na=False, na_values=[""])
-        for kind in ARGUMENTS
+        kind: pd.read_csv(inputs / "out" / f"{kind}.csv", keep_default_na=False, na_values=[""]) for kind in ARGUMENTS
     }
 
 
@@ -143,9 +140,7 @@ def test_same_inputs_give_the_same_bytes_whatever_the_settings(
 
 
 @pytest.mark.parametrize("kind", ARGUMENTS)
-def test_picture_has_ink_and_nothing_is_cut_off(
-    kind: str, inputs: Path, frames: dict[str, pd.DataFrame]
-) -> None:
+def test_picture_has_ink_and_nothing_is_cut_off(kind: str, inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
     from matplotlib.image import imread
 
     paper = imread(inputs / "out" / f"{kind}.png")[..., :3].min(axis=2) > 0.99
@@ -184,9 +179,7 @@ def test_misleading_prior_numbers(inputs: Path, frames: dict[str, pd.DataFrame])
             known = [skill for skill in file.library or [] if skill.learned_after < 2]
             names = ["none", *("ABC"[skill.learned_after] for skill in known)]
             states = [task.start, *(skill.subgoal for skill in known)]
-            for name, chance in zip(
-                names, prior(world.cells, states, task.goal, world.diagonal), strict=True
-            ):
+            for name, chance in zip(names, prior(world.cells, states, task.goal, world.diagonal), strict=True):
                 expected.setdefault(name, []).append(chance)
     first = frame[frame["episode"] == 1].set_index("skill")["probability"]
     assert set(first.index) == set(expected)
@@ -265,9 +258,7 @@ def test_measure_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
 
 def test_growth_numbers(frames: dict[str, pd.DataFrame]) -> None:
     frame = frames["growth"]
-    np.testing.assert_allclose(
-        frame["mean"], TWO_SLOPES(frame["tasks"].to_numpy()) + (RUNS - 1) / 2, rtol=1e-5
-    )
+    np.testing.assert_allclose(frame["mean"], TWO_SLOPES(frame["tasks"].to_numpy()) + (RUNS - 1) / 2, rtol=1e-5)
     assert frame["slope_before"].unique() == pytest.approx([0.6], rel=1e-5)
     assert frame["slope_after"].unique() == pytest.approx([0.2], rel=1e-5)
 
@@ -296,14 +287,10 @@ def test_fit_recovers_known_slopes_in_noise(before: float, after: float) -> None
 def test_slope_intervals_cover_the_slopes() -> None:
     tasks = np.arange(31)
     random = np.random.default_rng(5)
-    sizes = np.array(
-        [TwoSlopes(7, 0, random.normal(0.6, 0.1), random.normal(0.2, 0.05))(tasks) for _ in range(40)]
-    )
+    sizes = np.array([TwoSlopes(7, 0, random.normal(0.6, 0.1), random.normal(0.2, 0.05))(tasks) for _ in range(40)])
     row = growth_frame(tasks, sizes, 7).iloc[0]
     assert row["slope_before_low"] < row["slope_before"] < row["slope_before_high"]
-    assert row["slope_before_high"] - row["slope_before_low"] == pytest.approx(
-        2 * 1.96 * 0.1 / np.sqrt(40), rel=0.4
-    )
+    assert row["slope_before_high"] - row["slope_before_low"] == pytest.approx(2 * 1.96 * 0.1 / np.sqrt(40), rel=0.4)
     assert row["slope_after_low"] < row["slope_after"] < row["slope_after_high"]
 
 
@@ -371,9 +358,7 @@ def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
         ("growth", ["--breakpoint", "0"], "two points"),
     ],
 )
-def test_refusals_name_the_fault(
-    kind: str, more: list[str], words: str, inputs: Path, tmp_path: Path
-) -> None:
+def test_refusals_name_the_fault(kind: str, more: list[str], words: str, inputs: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=words):
         run(kind, inputs, tmp_path / "figure.png", *more)
     assert list(tmp_path.iterdir()) == []
@@ -384,9 +369,7 @@ def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
     world = GridWorld.from_text(text)
     life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 9)
     with open_learning(inputs / "seed_0.h5") as file:
-        origin = {
-            name: file.file.attrs[name] for name in ("environment", "method", "seed", "root_seed", "code")
-        }
+        origin = {name: file.file.attrs[name] for name in ("environment", "method", "seed", "root_seed", "code")}
         origin["parameters"] = json.loads(file.file.attrs["parameters"])
     write_learning(tmp_path / "other.h5", life, world, origin)
     for kind in ("discovery", "misleading-prior"):
@@ -405,9 +388,7 @@ def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
         ("library-cost", 1, "states,bytes\n1,1\n", "no column 'skills'"),
     ],
 )
-def test_bad_tables_are_refused(
-    kind: str, argument: int, text: str, words: str, inputs: Path, tmp_path: Path
-) -> None:
+def test_bad_tables_are_refused(kind: str, argument: int, text: str, words: str, inputs: Path, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text(text)
     arguments = ARGUMENTS[kind](inputs)
     arguments[argument] = str(tmp_path / "bad.csv")

@@ -165,9 +165,7 @@ def test_share_has_the_wilson_interval():
     z = 1.959964
     centre, half = (18 + z * z / 2) / (30 + z * z), z / (30 + z * z) * np.sqrt(18 * 12 / 30 + z * z / 4)
     found = statistics.share(18, 30, HOW)
-    assert (found.value, found.low, found.high) == pytest.approx(
-        (0.6, centre - half, centre + half), abs=1e-6
-    )
+    assert (found.value, found.low, found.high) == pytest.approx((0.6, centre - half, centre + half), abs=1e-6)
 
 
 @pytest.mark.parametrize(("confidence", "resamples"), [(0, 10), (1, 10), (95, 10), (0.95, 0)])

@@ -78,9 +78,7 @@ def mean_share(evidence: Evidence, hits: np.ndarray, *names: str) -> Estimate:
     return statistics.mean(hits.mean(axis=1), evidence.how, named_generator(*names, "share"))
 
 
-def probability_of_being_quicker(
-    evidence: Evidence, environment: str, task: str, method: str, other: str
-) -> Estimate:
+def probability_of_being_quicker(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
     """Probability that a run of the method reaches the threshold sooner; never reaching it comes last."""
     own, others = (
         np.nan_to_num(evidence.values(environment, task, name, "threshold_episode"), nan=np.inf)
@@ -99,14 +97,10 @@ def episodes_to_threshold(evidence: Evidence, environment: str, task: str, metho
 def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) -> Estimate:
     """Mean of `episodes_to_threshold` (a restricted mean, as of survival times)."""
     generator = named_generator(environment, task, method, "episodes_to_threshold")
-    return statistics.mean(
-        episodes_to_threshold(evidence, environment, task, method), evidence.how, generator
-    )
+    return statistics.mean(episodes_to_threshold(evidence, environment, task, method), evidence.how, generator)
 
 
-def times_as_many_episodes(
-    evidence: Evidence, environment: str, task: str, method: str, other: str
-) -> Estimate:
+def times_as_many_episodes(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
     """Mean episodes to threshold of the other method over those of the method."""
     own, others = (episodes_to_threshold(evidence, environment, task, name) for name in (method, other))
     if len(own) != len(others):
@@ -130,17 +124,13 @@ def improves(evidence: Evidence, environment: str, task: str, method: str, measu
     return above(f"{text}, saved", saved(evidence, environment, task, method, BASE, measure), 0.0, "steps")
 
 
-def saves(
-    evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK
-) -> Part:
+def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK) -> Part:
     """The method needs fewer steps than another by one of the measures."""
     estimate = saved(evidence, environment, task, method, other, metric)
     return above(f"task {task}, {NAMES[metric]}, {other} minus {method}", estimate, 0.0, "steps")
 
 
-def needs_fewer_episodes(
-    evidence: Evidence, environment: str, other: str, task: str = LAST_TASK
-) -> Iterator[Part]:
+def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task: str = LAST_TASK) -> Iterator[Part]:
     """PTL reaches the threshold sooner than another method, and in far fewer episodes."""
     quicker = probability_of_being_quicker(evidence, environment, task, PTL, other)
     yield above(f"task {task}, probability that {PTL} is quicker than {other}", quicker, 0.5)
@@ -153,13 +143,9 @@ def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
     return above(f"{text}, share of runs", share(evidence, hits), MOST)
 
 
-def fewer_than(
-    evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK
-) -> Part:
+def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
     """The method reaches the threshold within some episodes."""
-    return below(
-        _episodes_text(task, method), mean_episodes(evidence, environment, task, method), bound, "episodes"
-    )
+    return below(_episodes_text(task, method), mean_episodes(evidence, environment, task, method), bound, "episodes")
 
 
 def _episodes_text(task: str, method: str) -> str:
@@ -189,9 +175,7 @@ def elsewhere(
         yield f"{NAMES[metric]} saved in % of the base elsewhere: {', '.join(found)}"
 
 
-def never_reached(
-    evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK
-) -> Iterator[str]:
+def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
     """How many seeds never reached the threshold and so entered means with the length of the task."""
     found = []
     for method in methods:

@@ -50,9 +50,7 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
                 first, last = index * BLOCK + 1, (index + 1) * BLOCK
                 generator = named_generator(environment, other, c.PTL, "curves", index)
                 estimate = statistics.mean(values, evidence.how, generator)
-                yield above(
-                    f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps"
-                )
+                yield above(f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps")
             below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
             yield f"{environment}: the mean is below that of {other} in {below} of {own.shape[1]} episodes"
 
@@ -69,9 +67,7 @@ def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
         reuse = spikes(evidence.curve(environment, c.REUSE, c.LAST_TASK))
         base = spikes(evidence.curve(environment, c.BASE, c.LAST_TASK))
         same_seeds(reuse, base, environment)
-        yield above(
-            f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST
-        )
+        yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST)
         generator = named_generator(environment, c.REUSE, "spikes")
         more = statistics.mean_difference(reuse, base, evidence.how, generator)
         yield above(f"{environment}, spikes a run, {c.REUSE} minus {c.BASE}", more, 0.0)

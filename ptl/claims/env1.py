@@ -30,9 +30,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     world = evidence.world(ENV)
     doors = places.doorways(world)
     at_any = places.near(world, doors, AT)
-    at_newest = {
-        task: places.near(world, [places.newest_doorway(world, world.goal(task))], AT) for task in TASKS
-    }
+    at_newest = {task: places.near(world, [places.newest_doorway(world, world.goal(task))], AT) for task in TASKS}
 
     def found(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
         peaks = {task: evidence.peaks(ENV, c.PTL, task, metric) for task in tasks}
@@ -42,12 +40,8 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     newest = found("incremental", TASKS, at_newest)
     original = found("original", c.TRANSFER_TASKS, at_newest)
     name = (ENV, "subgoals")
-    yield above(
-        "incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MOST
-    )
-    yield above(
-        "incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MOST
-    )
+    yield above("incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MOST)
+    yield above("incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MOST)
     yield below(
         "original metric, share on the newest doorway, tasks B to F",
         c.mean_share(evidence, original, *name),
@@ -137,8 +131,7 @@ def total(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E1-unknown",
-    "Not knowing the goal costs PTL something in total, yet it still needs fewer steps than the other"
-    " approaches.",
+    "Not knowing the goal costs PTL something in total, yet it still needs fewer steps than the other approaches.",
     shown_in="table2 figure12",
 )
 def unknown_goal(evidence: Evidence) -> Iterator[Part]:

@@ -93,9 +93,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
                 places.near(world, doors, AT),
                 f"task {task}, subgoal at the door of the goal's room",
             )
-            distance = (
-                places.steps_to(world, doors)[peaks[peaks >= 0]].mean() if (peaks >= 0).any() else np.nan
-            )
+            distance = places.steps_to(world, doors)[peaks[peaks >= 0]].mean() if (peaks >= 0).any() else np.nan
             yield f"task {task}: the mean distance of the subgoal from the door is {c.number(distance)} steps"
         yield c.mostly(evidence, text, (peaks >= 0) & where[peaks])
 

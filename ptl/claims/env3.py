@@ -52,9 +52,7 @@ def ratio(evidence: Evidence) -> Iterator[Part | str]:
     yield from c.elsewhere(evidence, ENV, "total_steps")
 
 
-@claim(
-    "E3-few", "All methods but no transfer learn task F within a few episodes.", shown_in="table5 figure12"
-)
+@claim("E3-few", "All methods but no transfer learn task F within a few episodes.", shown_in="table5 figure12")
 def few_episodes(evidence: Evidence) -> Iterator[Part | str]:
     """Learned is: below the threshold of the tables."""
     methods = (c.FULL, c.REUSE, *c.VARIANTS)
@@ -67,16 +65,13 @@ def few_episodes(evidence: Evidence) -> Iterator[Part | str]:
 
 @claim(
     "E3-subgoals",
-    "The new subgoal of task C lies in the lower corridor; those of E and F lie inside the room in the upper"
-    " right.",
+    "The new subgoal of task C lies in the lower corridor; those of E and F lie inside the room in the upper right.",
     shown_in="figure11",
 )
 def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     """The subgoal of a task is the state where the incremental metric is greatest, stored or not."""
     world = evidence.world(ENV)
-    corridor, room, inner = (
-        places.rectangle(world, *where, MAP_SHAPE) for where in (LOWER_CORRIDOR, ROOM, INNER_HALF)
-    )
+    corridor, room, inner = (places.rectangle(world, *where, MAP_SHAPE) for where in (LOWER_CORRIDOR, ROOM, INNER_HALF))
     for task, where, name in (("C", corridor, "in the lower corridor"), ("E", room, "inside the room"),
                               ("F", room, "inside the room")):  # fmt: skip
         peaks = evidence.peaks(ENV, c.PTL, task, "incremental")

@@ -100,9 +100,7 @@ def _missed(judgement: Judgement) -> list[Part]:
 
 def _rest(judgement: Judgement) -> str:
     hidden = len(_missed(judgement)) - LISTED
-    return (
-        f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > SHOWN_PARTS and hidden > 0 else ""
-    )
+    return f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > SHOWN_PARTS and hidden > 0 else ""
 
 
 # -- CSV ----------------------------------------------------------------------------------------------------

@@ -77,9 +77,7 @@ def selection_cost(evidence: Evidence) -> Iterator[Part | str]:
         raise Lacking(f"selection cost: {len(cost)} library sizes, too few to fit a law")
     line = stats.linregress(cost["skills"], cost["seconds"] * 1e6)
     power = stats.linregress(np.log(upper["skills"]), np.log(upper["seconds"]))
-    yield below(
-        "exponent over the upper half of the sizes", _slope(power, len(upper), evidence), LINEAR_EXPONENT
-    )
+    yield below("exponent over the upper half of the sizes", _slope(power, len(upper), evidence), LINEAR_EXPONENT)
     yield (
         f"a straight line over {len(cost)} sizes has {c.number(line.slope)} µs a skill and explains"
         f" {line.rvalue**2:.1%} of the variance"

@@ -68,16 +68,12 @@ def steps_to(world: GridWorld, places: Iterable[int]) -> np.ndarray:
     return np.min([world.distances_to(int(place)) for place in places], axis=0)
 
 
-def rectangle(
-    world: GridWorld, rows: tuple[int, int], columns: tuple[int, int], shape: tuple[int, int]
-) -> np.ndarray:
+def rectangle(world: GridWorld, rows: tuple[int, int], columns: tuple[int, int], shape: tuple[int, int]) -> np.ndarray:
     """States in a range of rows and columns (both ends included), bool array (n_states,).
 
     ``shape`` is that of the map on which the range was laid down; on another one it would mean nothing.
     """
     if world.shape != shape:
-        raise Lacking(
-            f"{world.name}: is not the map of {shape[0]} by {shape[1]} cells that the claim speaks of"
-        )
+        raise Lacking(f"{world.name}: is not the map of {shape[0]} by {shape[1]} cells that the claim speaks of")
     row, column = world.cells.T
     return (rows[0] <= row) & (row <= rows[1]) & (columns[0] <= column) & (column <= columns[1])

@@ -11,9 +11,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 
 @click.command("claims")
 @click.argument("per_seed", type=FILE)
-@click.option(
-    "--map", "maps", multiple=True, required=True, metavar="NAME=FILE", help="Map of an environment; repeat."
-)
+@click.option("--map", "maps", multiple=True, required=True, metavar="NAME=FILE", help="Map of an environment; repeat.")
 @click.option("--steps", type=FILE, help="HDF5 of the steps per episode (`ptl measure`).")
 @click.option("--subgoals", type=FILE, help="CSV of the subgoals found (`ptl measure`).")
 @click.option("--growth", type=FILE, help="CSV of library sizes: run, tasks, library_size.")

@@ -18,9 +18,7 @@ OUTPUT = click.option(
     type=FILE,
     help="PNG to write; an SVG and a CSV of the numbers get the same name.",
 )
-FILES_FROM = click.option(
-    "--files-from", type=FILE, help="Text file that names more input files, one on each line."
-)
+FILES_FROM = click.option("--files-from", type=FILE, help="Text file that names more input files, one on each line.")
 CONFIDENCE = click.option(
     "--confidence",
     default=0.95,
@@ -29,9 +27,7 @@ CONFIDENCE = click.option(
     help="Level of intervals.",
 )
 TITLE = click.option("--title", help="Name of the environment to print.")
-TITLES = click.option(
-    "--title", "titles", multiple=True, metavar="NAME=TEXT", help="Title of an environment; repeat."
-)
+TITLES = click.option("--title", "titles", multiple=True, metavar="NAME=TEXT", help="Title of an environment; repeat.")
 
 
 @click.group()
@@ -56,9 +52,7 @@ def map_(map_path: Path, title: str | None, output: Path) -> None:
 @click.argument("map_path", metavar="MAP", type=FILE)
 @click.option("--goal", required=True, help="Goal letter.")
 @click.option("--form", default="exponential", show_default=True, help="Form of the prior.")
-@click.option(
-    "--width", default=0.1, show_default=True, help="Width of the prior as a share of the map's diagonal."
-)
+@click.option("--width", default=0.1, show_default=True, help="Width of the prior as a share of the map's diagonal.")
 @TITLE
 @OUTPUT
 def prior(map_path: Path, goal: str, form: str, width: float, title: str | None, output: Path) -> None:
@@ -102,9 +96,7 @@ def misleading_prior(
 @FILES_FROM
 @TITLES
 @OUTPUT
-def frequencies(
-    files: tuple[Path, ...], files_from: Path | None, titles: tuple[str, ...], output: Path
-) -> None:
+def frequencies(files: tuple[Path, ...], files_from: Path | None, titles: tuple[str, ...], output: Path) -> None:
     """Draw subgoal selection frequencies, one panel for each of the FILES (figure 8)."""
     from ptl.figures import frequencies as figure
     from ptl.figures import style
@@ -120,9 +112,7 @@ def frequencies(
 @click.option("--tasks", required=True, help="Tasks to show, e.g. DEF.")
 @TITLE
 @OUTPUT
-def discovery(
-    files: tuple[Path, ...], files_from: Path | None, tasks: str, title: str | None, output: Path
-) -> None:
+def discovery(files: tuple[Path, ...], files_from: Path | None, tasks: str, title: str | None, output: Path) -> None:
     """Draw both metrics of subgoal discovery, mean over the learning FILES of all seeds (figures 9 to 11)."""
     from ptl.figures import discovery as figure
     from ptl.figures import style
@@ -137,9 +127,7 @@ def discovery(
               help="Environment to show and its map; repeat for more panels.")  # fmt: skip
 @click.option("--task", "tasks", multiple=True, metavar="NAME=LETTER",
               help="Task of an environment; the last goal of its map if left out; repeat.")  # fmt: skip
-@click.option(
-    "--method", "methods", multiple=True, help="Method to show; repeat. The article's four if left out."
-)
+@click.option("--method", "methods", multiple=True, help="Method to show; repeat. The article's four if left out.")
 @TITLES
 @CONFIDENCE
 @OUTPUT
@@ -167,9 +155,7 @@ def curves(
 
 @command.command("measures")
 @click.argument("steps_path", metavar="STEPS", type=FILE)
-@click.option(
-    "--map", "named_map", required=True, metavar="NAME=MAP", help="Environment to show and its map."
-)
+@click.option("--map", "named_map", required=True, metavar="NAME=MAP", help="Environment to show and its map.")
 @click.option("--task", help="Task to show; the last goal of the map if left out.")
 @click.option("--method", default="ptl", show_default=True, help="Method to show beside the base.")
 @click.option("--base", default="no_transfer", show_default=True, help="Method it is compared with.")
@@ -199,17 +185,13 @@ def measures(
     letter = task or list(world.goals)[-1]
     shortest = world.shortest_path_length(world.start, world.goal(letter))
     with open_steps(steps_path) as steps:
-        frame = figure.measures(
-            steps, environment, letter, (base, method), shortest, window, threshold_factor
-        )
+        frame = figure.measures(steps, environment, letter, (base, method), shortest, window, threshold_factor)
     style.save(figure.draw(frame, f"{title or environment}, task {letter}"), frame, output)
 
 
 @command.command("growth")
 @click.argument("growth_path", metavar="GROWTH", type=FILE)
-@click.option(
-    "--breakpoint", "bend", default=7.0, show_default=True, help="Tasks at which the slope may change."
-)
+@click.option("--breakpoint", "bend", default=7.0, show_default=True, help="Tasks at which the slope may change.")
 @CONFIDENCE
 @OUTPUT
 def growth(growth_path: Path, bend: float, confidence: float, output: Path) -> None:
@@ -245,9 +227,7 @@ def _all_files(files: tuple[Path, ...], files_from: Path | None) -> list[Path]:
     try:
         lines = files_from.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
-        raise UserError(
-            f"{files_from}: cannot be read as a list of files ({error}); check --files-from"
-        ) from error
+        raise UserError(f"{files_from}: cannot be read as a list of files ({error}); check --files-from") from error
     return [*files, *(Path(line.strip()) for line in lines if line.strip())]
 
 
@@ -259,8 +239,6 @@ def _named(pairs: tuple[str, ...], convert: Callable[[str], _Value]) -> dict[str
     for pair in pairs:
         name, separator, value = pair.partition("=")
         if not (name and separator and value):
-            raise UserError(
-                f"option value {pair!r}: give a name, an equals sign and a value, e.g. env1=env1.txt"
-            )
+            raise UserError(f"option value {pair!r}: give a name, an equals sign and a value, e.g. env1=env1.txt")
         values[name] = convert(value)
     return values

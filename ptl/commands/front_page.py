@@ -18,9 +18,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 )  # fmt: skip
 @click.option("--method", "methods", multiple=True, required=True, help="Identifier of a method; repeat.")
 @click.option("--output", required=True, type=FILE, help="reStructuredText file to write.")
-def command(
-    claims: Path, metrics: Path, environments: tuple[str, ...], methods: tuple[str, ...], output: Path
-) -> None:
+def command(claims: Path, metrics: Path, environments: tuple[str, ...], methods: tuple[str, ...], output: Path) -> None:
     """Compose the front page from the table of CLAIMS and the table of METRICS."""
     import pandas as pd
 

@@ -45,9 +45,7 @@ def batch(
     chosen = Parameters.from_dict(json.loads(parameters))
     world = load_map(map_path)
     states = chosen_starts(world, None if starts == "all" else int(starts), root_seed, environment)
-    arrays = subgoal_frequencies(
-        world, states[batch::batches], trajectories, chosen.learning, root_seed, environment
-    )
+    arrays = subgoal_frequencies(world, states[batch::batches], trajectories, chosen.learning, root_seed, environment)
     origin = {
         "environment": environment,
         "trajectories": trajectories,

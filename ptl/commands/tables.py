@@ -25,9 +25,7 @@ FILE = click.Path(dir_okay=False, path_type=Path)
     metavar="NAME[=TITLE]",
     help="Environment and its title, in the order of the tables; may be repeated. [default: all]",
 )
-@click.option(
-    "--window", required=True, type=click.IntRange(min=1), help="As given to `ptl measure`; named in notes."
-)
+@click.option("--window", required=True, type=click.IntRange(min=1), help="As given to `ptl measure`; named in notes.")
 @click.option(
     "--threshold-factor",
     required=True,

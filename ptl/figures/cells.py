@@ -42,9 +42,7 @@ def roomy(world: GridWorld, side: float, width: float, height: float) -> tuple[f
     return max(rows, height / side), max(columns, width / side)
 
 
-def draw_world(
-    axes: Axes, world: GridWorld, ticks: bool = False, room: tuple[float, float] | None = None
-) -> None:
+def draw_world(axes: Axes, world: GridWorld, ticks: bool = False, room: tuple[float, float] | None = None) -> None:
     """Draw the walls of a map and set the axes to its cells, row 0 on top.
 
     Parameters
@@ -149,12 +147,8 @@ def draw_rings(axes: Axes, world: GridWorld, states: Sequence[int], sizes: np.nd
         return
     row, column = world.cells[np.asarray(states)].T
     areas = np.square(sizes)
-    axes.scatter(
-        column, row, s=areas, facecolors="none", edgecolors=style.INK, linewidths=4.2, zorder=4, clip_on=False
-    )
-    axes.scatter(
-        column, row, s=areas, facecolors="none", edgecolors="white", linewidths=2.0, zorder=5, clip_on=False
-    )
+    axes.scatter(column, row, s=areas, facecolors="none", edgecolors=style.INK, linewidths=4.2, zorder=4, clip_on=False)
+    axes.scatter(column, row, s=areas, facecolors="none", edgecolors="white", linewidths=2.0, zorder=5, clip_on=False)
 
 
 def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float:
@@ -163,9 +157,7 @@ def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float
     return min(width / columns, height / rows, LARGEST_CELL)
 
 
-def pack(
-    shapes: Sequence[tuple[float, float]], target: float = 1.9, narrowest: float = 0.27
-) -> list[list[int]]:
+def pack(shapes: Sequence[tuple[float, float]], target: float = 1.9, narrowest: float = 0.27) -> list[list[int]]:
     """Arrange maps in rows of panels, in order, so that the whole comes close to the shape of a slide.
 
     All maps in a row get the same height and a row fills the width, as in a wall of photographs.

@@ -58,12 +58,8 @@ def curves(
         for method in methods:
             values = steps.steps(environment, method, task)
             mean, low, high = mean_band(values, confidence)
-            part = pd.DataFrame(
-                {"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high}
-            )
-            for place, (name, value) in enumerate(
-                (("environment", environment), ("task", task), ("method", method))
-            ):
+            part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
+            for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
                 part.insert(place, name, value)
             parts.append(part.assign(seeds=len(values), shortest_path=shortest, confidence=confidence))
     return pd.concat(parts, ignore_index=True)
@@ -75,9 +71,7 @@ def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
     environments = list(dict.fromkeys(frame["environment"]))
     columns = min(len(environments), 3)
     rows = math.ceil(len(environments) / columns)
-    figure = style.new_figure(
-        max(4.6 * columns, 9.5) if columns < 3 else style.SLIDE_WIDTH + 0.7, 0.9 + 5.2 * rows
-    )
+    figure = style.new_figure(max(4.6 * columns, 9.5) if columns < 3 else style.SLIDE_WIDTH + 0.7, 0.9 + 5.2 * rows)
     panels = figure.subplots(rows, columns, squeeze=False)
     for axes in panels.flat[len(environments) :]:
         axes.remove()
@@ -96,14 +90,10 @@ def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
 def _panel(axes: Axes, part: pd.DataFrame) -> None:
     for method, curve in part.groupby("method", sort=False):
         colour, label = style.method_look(str(method))
-        axes.fill_between(
-            curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.22, linewidth=0
-        )
+        axes.fill_between(curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.22, linewidth=0)
         axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.9, label=label)
     shortest = part["shortest_path"].iloc[0]
-    axes.axhline(
-        shortest, color=style.INK, linewidth=1.1, linestyle=(0, (1, 1.6)), label="shortest path", zorder=1
-    )
+    axes.axhline(shortest, color=style.INK, linewidth=1.1, linestyle=(0, (1, 1.6)), label="shortest path", zorder=1)
     axes.set_yscale("log")
     axes.set_xlim(1, part["episode"].max())
     axes.set_ylim(bottom=shortest / 1.5)

@@ -71,14 +71,10 @@ def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
                     " the files before; give the seeds of one environment and one method"
                 )
             if file.library is None:
-                raise UserError(
-                    f"{path}: method {file.method} keeps no skill library; give files of a method like ptl"
-                )
+                raise UserError(f"{path}: method {file.method} keeps no skill library; give files of a method like ptl")
             for task in tasks:
                 if task not in file.tasks:
-                    raise UserError(
-                        f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --tasks"
-                    )
+                    raise UserError(f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --tasks")
                 view = file.tasks[task]
                 for metric in METRICS:
                     values = getattr(view, metric)
@@ -93,9 +89,7 @@ def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
     rows, columns = world.cells.T
     parts = []
     for (task, metric), total in sums.items():
-        part = pd.DataFrame(
-            {"state": range(world.n_states), "row": rows, "column": columns, "value": total / seeds}
-        )
+        part = pd.DataFrame({"state": range(world.n_states), "row": rows, "column": columns, "value": total / seeds})
         heads = ("environment", identity[0]), ("method", identity[1]), ("task", task), ("metric", metric)
         for place, (name, value) in enumerate(heads):
             part.insert(place, name, value)
@@ -136,9 +130,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
             cells.draw_world(axes, world, room=room)
             cells.draw_places(axes, world, side, goals=[task])
             marked = part[part["chosen"] > 0]
-            cells.draw_rings(
-                axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds)
-            )
+            cells.draw_rings(axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds))
             axes.set_title(f"task {task}, {metric}", fontsize=15)
             if (found := int(part["chosen"].sum())) < seeds:
                 axes.set_xlabel(f"a subgoal in {found} of {seeds} seeds", loc="left", fontsize=13)

@@ -48,15 +48,11 @@ def read(paths: Iterable[str | Path]) -> list[Frequencies]:
     for path in paths:
         with open_result(path, FREQUENCIES) as result:
             if any(result.environment == item.environment for item in items):
-                raise UserError(
-                    f"{path}: environment {result.environment} is given twice; name each file once"
-                )
+                raise UserError(f"{path}: environment {result.environment} is given twice; name each file once")
             numbers = {name: int(result.file[name][()]) for name in ("pairs", "unresolved")}
             trajectories = int(result.file.attrs["trajectories"])
             counts = result.file["counts"][()]
-            items.append(
-                Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers)
-            )
+            items.append(Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers))
     if not items:
         raise UserError("no file of subgoal frequencies to draw; name at least one")
     return items
@@ -70,9 +66,7 @@ def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:
     parts = []
     for item in items:
         rows, columns = item.world.cells.T
-        part = pd.DataFrame(
-            {"state": range(item.world.n_states), "row": rows, "column": columns, "count": item.counts}
-        )
+        part = pd.DataFrame({"state": range(item.world.n_states), "row": rows, "column": columns, "count": item.counts})
         part.insert(0, "environment", item.environment)
         part = part.assign(share=100 * item.counts / item.pairs, pairs=item.pairs, unresolved=item.unresolved)
         parts.append(part.assign(trajectories=item.trajectories))

@@ -77,9 +77,7 @@ def read_growth(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
             raise UserError(f"{path}: no column {column!r}; give the growth table")
     sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
     if sizes.empty or sizes.isna().any(axis=None):
-        raise UserError(
-            f"{path}: runs with different numbers of tasks, or none; make all runs of one configuration"
-        )
+        raise UserError(f"{path}: runs with different numbers of tasks, or none; make all runs of one configuration")
     return sizes.columns.to_numpy(), sizes.to_numpy(dtype=float)
 
 
@@ -113,9 +111,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes = figure.add_subplot()
     first = frame.iloc[0]
     bend, last = float(first["breakpoint"]), float(frame["tasks"].max())
-    fit = TwoSlopes(
-        bend, float(first["intercept"]), float(first["slope_before"]), float(first["slope_after"])
-    )
+    fit = TwoSlopes(bend, float(first["intercept"]), float(first["slope_before"]), float(first["slope_after"]))
     colour, _ = style.method_look("ptl")
     tasks = frame["tasks"]
     band = f", {100 * first['confidence']:g} % interval" if frame["ci_low"].notna().any() else ""

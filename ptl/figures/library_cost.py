@@ -32,9 +32,7 @@ def read(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; the columns must be {', '.join(columns)}")
         if not pd.api.types.is_numeric_dtype(frame[column]) or not (frame[column] >= 0).all():
-            raise UserError(
-                f"{path}: column {column!r} holds something that is not a number from 0 up; make it again"
-            )
+            raise UserError(f"{path}: column {column!r} holds something that is not a number from 0 up; make it again")
     return frame[list(columns)]
 
 
@@ -81,12 +79,8 @@ def _storage(axes: Axes, part: pd.DataFrame) -> None:
     for shade, (states, library) in zip(shades, groups, strict=True):
         library = library.sort_values("skills")
         kibibytes = library["bytes"].astype(float) / KIBIBYTE
-        axes.plot(
-            library["skills"].astype(float), kibibytes, "o-", color=shade, markersize=7, label=str(states)
-        )
-    axes.set(
-        xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="size of the library, KiB"
-    )
+        axes.plot(library["skills"].astype(float), kibibytes, "o-", color=shade, markersize=7, label=str(states))
+    axes.set(xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="size of the library, KiB")
     axes.set_title("Room for the library")
     # the largest line comes first, as in the picture
     lines, labels = axes.get_legend_handles_labels()

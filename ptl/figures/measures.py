@@ -64,9 +64,7 @@ def measures(
         trailing = trailing_mean(mean, window)
         below = np.flatnonzero(trailing <= threshold)
         part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "trailing_mean": trailing})
-        for place, (name, value) in enumerate(
-            (("environment", environment), ("task", task), ("method", method))
-        ):
+        for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
             part.insert(place, name, value)
         parts.append(
             part.assign(
@@ -125,9 +123,7 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
     axes.axhline(level, color=style.INK, linewidth=1.3, linestyle=(0, (4, 3)), zorder=1)
     lowest = min(level, float(frame["mean"].min()))
     # the longest way comes first (undefined ones before it), so that no line crosses words
-    order = frame.drop_duplicates("method").sort_values(
-        "threshold_episode", ascending=False, na_position="first"
-    )
+    order = frame.drop_duplicates("method").sort_values("threshold_episode", ascending=False, na_position="first")
     methods = order["method"].tolist()
     axes.set_ylim(bottom=lowest / DIMENSION_STEP ** (len(methods) + 0.8))
     for number, method in enumerate(methods, start=1):

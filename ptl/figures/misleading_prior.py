@@ -72,16 +72,12 @@ def collect(paths: Iterable[str | Path], task: str | None = None, confidence: fl
     for path in paths:
         with open_learning(path) as file:
             if file.method != "ptl":
-                raise UserError(
-                    f"{path}: method {file.method}, but the selection of ptl is drawn; give its files"
-                )
+                raise UserError(f"{path}: method {file.method}, but the selection of ptl is drawn; give its files")
             if world is None or parameters is None:
                 world, parameters = file.world, file.parameters
             task = task or list(file.tasks)[-1]
             if file.world.text != world.text or file.parameters != parameters:
-                raise UserError(
-                    f"{path}: map or parameters differ from the files before; give the seeds of one run"
-                )
+                raise UserError(f"{path}: map or parameters differ from the files before; give the seeds of one run")
             if task not in file.tasks:
                 raise UserError(f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --task")
             subgoals = dict(_candidates(file, task))
@@ -90,9 +86,7 @@ def collect(paths: Iterable[str | Path], task: str | None = None, confidence: fl
         raise UserError("no learning file to draw; name at least one")
     skills = Parameters.from_dict(parameters).skills
     goal = world.goal(task)
-    everywhere = prior(
-        world.cells, range(world.n_states), goal, world.diagonal, skills.prior_form, skills.prior_width
-    )
+    everywhere = prior(world.cells, range(world.n_states), goal, world.diagonal, skills.prior_form, skills.prior_width)
     return Selections(world, task, _frame(world, goal, runs, confidence), everywhere / everywhere[goal])
 
 
@@ -108,9 +102,7 @@ def _candidates(file: LearningFile, task: str) -> Iterator[tuple[str, int]]:
 def _probabilities(file: LearningFile, task: str, subgoals: list[int]) -> np.ndarray:
     """Probability of each candidate at the beginning of each episode, float array (candidates, episodes)."""
     view, skills = file.tasks[task], Parameters.from_dict(file.parameters).skills
-    chances = prior(
-        file.world.cells, subgoals, view.goal, file.world.diagonal, skills.prior_form, skills.prior_width
-    )
+    chances = prior(file.world.cells, subgoals, view.goal, file.world.diagonal, skills.prior_form, skills.prior_width)
     if not skills.null_skill and len(subgoals) > 1:
         chances[0] = 0.0
         chances /= chances.sum()
@@ -138,9 +130,7 @@ def _frame(
         places = pd.Series([subgoals[name] for subgoals, _ in runs if name in subgoals])
         subgoal = int(places.mode()[0])
         row, column = world.cells[subgoal]
-        part = pd.DataFrame(
-            {"episode": range(1, len(mean) + 1), "probability": mean, "ci_low": low, "ci_high": high}
-        )
+        part = pd.DataFrame({"episode": range(1, len(mean) + 1), "probability": mean, "ci_low": low, "ci_high": high})
         part.insert(0, "skill", name)
         parts.append(
             part.assign(
@@ -181,9 +171,7 @@ def _looks(names: list[str], task: str) -> dict[str, tuple[str, str]]:
 def _map(axes: Axes, selections: Selections, looks: dict[str, tuple[str, str]], side: float) -> None:
     world, task = selections.world, selections.task
     lowest = max(float(selections.relative_prior.min()), 1e-4)
-    heat = cells.draw_heat(
-        axes, world, selections.relative_prior, LogNorm(lowest, 1, clip=True), style.PALE_HEAT
-    )
+    heat = cells.draw_heat(axes, world, selections.relative_prior, LogNorm(lowest, 1, clip=True), style.PALE_HEAT)
     cells.draw_world(axes, world)
     goal = world.goal(task)
     goal_row, goal_column = world.cells[goal]
@@ -227,9 +215,7 @@ def _history(axes: Axes, frame: pd.DataFrame, looks: dict[str, tuple[str, str]],
         if name != NULL_SKILL:
             first = skill.iloc[0]
             label += f"\n(dotted: {first['distance']:.1f} cells, solid: {first['path']} steps)"
-        axes.fill_between(
-            skill["episode"], skill["ci_low"], skill["ci_high"], color=colour, alpha=0.22, linewidth=0
-        )
+        axes.fill_between(skill["episode"], skill["ci_low"], skill["ci_high"], color=colour, alpha=0.22, linewidth=0)
         axes.plot(skill["episode"], skill["probability"], color=colour, label=label)
         axes.plot(1, skill["probability"].iloc[0], "o", color=colour, markersize=9, clip_on=False, zorder=5)
     axes.set(
@@ -239,6 +225,4 @@ def _history(axes: Axes, frame: pd.DataFrame, looks: dict[str, tuple[str, str]],
         ylabel="probability of selection",
     )
     axes.set_title("Selection: prior times likelihood")
-    axes.figure.legend(
-        *axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, columnspacing=1.8
-    )
+    axes.figure.legend(*axes.get_legend_handles_labels(), loc="outside lower center", ncols=3, columnspacing=1.8)

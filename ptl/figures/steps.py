@@ -31,9 +31,7 @@ class StepsFile:
         for kind, name in (("environment", environment), ("method", method), ("task", task)):
             if name not in place:
                 known = ", ".join(place)
-                raise UserError(
-                    f"{self.path}: no {kind} {name!r} (there are: {known}); learn it or name another"
-                )
+                raise UserError(f"{self.path}: no {kind} {name!r} (there are: {known}); learn it or name another")
             place = place[name]
         return np.asarray(place)
 

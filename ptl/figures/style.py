@@ -139,9 +139,7 @@ def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> N
     """
     path = Path(path)
     if path.suffix != ".png":
-        raise UserError(
-            f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png"
-        )
+        raise UserError(f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png")
     with atomic_path(path) as png, atomic_path(path.with_suffix(".svg")) as svg:
         figure.savefig(png, dpi=PNG_RESOLUTION, metadata={"Software": None})
         figure.set_layout_engine("none")  # the twin keeps the layout that was just worked out

@@ -62,9 +62,7 @@ class Method(BaseMethod):
         """P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
         skills = self.parameters.skills
         world = self.world
-        return prior(
-            world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width
-        )
+        return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width)
 
     def draw_skill(self) -> int:
         """Candidate to use next."""
