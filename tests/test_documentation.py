@@ -94,7 +94,9 @@ def test_commands_that_are_named_exist(page: str) -> None:
 def test_no_place_is_left_to_be_filled() -> None:
     for page in PAGES:
         left = [
-            comment for comment in re.findall(r"<!-- published:.*?-->", text_of(page)) if "verdicts," not in comment
+            comment
+            for comment in re.findall(r"<!-- published:.*?-->", text_of(page))
+            if not comment.endswith((", begin -->", ", end -->"))
         ]
         assert not left, f"{page}: fill in {left} from reports/published"
 
