@@ -12,7 +12,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness benchmark test test-browser test-all lint format build clean lock
+.PHONY: help reproduce smoke report robustness benchmark reliability test test-browser test-all lint format build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -34,6 +34,9 @@ robustness: build  ## Vary what the article leaves open: reports/published/robus
 
 benchmark: $(BENCHMARK_TOOLS) build  ## Speed and growth of cost on this machine: reports/published/benchmark.md.
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
+
+reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
+	.venv/bin/python tests/reliability.py
 
 test: $(TEST_TOOLS) build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"

@@ -17,6 +17,7 @@ import pandas as pd
 
 from ptl.archive import read_arrays
 from ptl.errors import UserError
+from ptl.files import read_csv
 from ptl.gridworld import GridWorld, load_map
 from ptl.statistics import PER_SEED_METRICS, Resampling, read_per_seed
 
@@ -200,10 +201,7 @@ def read_evidence(
 
 
 def _read_table(path: str | Path, columns: tuple[str, ...]) -> pd.DataFrame:
-    try:
-        frame = pd.read_csv(path, keep_default_na=False, na_values=[""])
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise UserError(f"{path}: cannot be read as CSV ({error}); make it again") from error
+    frame = read_csv(path, keep_default_na=False, na_values=[""])
     return _with_columns(frame, path, columns)
 
 

@@ -24,6 +24,8 @@ MOVES = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 WALL, FREE, START = "#", ".", "I"
 MAX_CELLS = 10**6
 """Largest accepted map, in cells of text."""
+MAX_BYTES = 4 * MAX_CELLS
+"""Largest accepted map file; more is not read."""
 
 
 class GridWorld:
@@ -205,9 +207,16 @@ def load_map(path: str | Path) -> GridWorld:
     """
     path = Path(path)
     try:
-        text = path.read_text(encoding="utf-8")
+        if not path.is_file():
+            raise UserError(f"{path}: cannot be read (no such file); check the path of the map")
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+        text = content.decode("utf-8")
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save the map as plain text") from error
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror}); check the path of the map") from error
+    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
+        reason = getattr(error, "strerror", None) or error
+        raise UserError(f"{path}: cannot be read ({reason}); check the path of the map") from error
+    if len(content) > MAX_BYTES:
+        raise UserError(f"{path}: is larger than a map of {MAX_CELLS} cells can be; use a smaller one")
     return GridWorld.from_text(text, name=str(path))

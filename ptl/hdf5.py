@@ -2,6 +2,9 @@
 
 Equal runs give equal bytes: nothing in a file depends on when or where it was written. The root attribute ``format``
 says what a file is, ``versions`` which packages made it, and ``content`` is a sha256 over everything else in it.
+
+After the end of the HDF5 data, where every HDF5 reader ignores it, stands a line with the sha256 of all bytes before
+it. It is checked before the HDF5 library sees a file, because that library can crash on damage or never return.
 """
 
 from __future__ import annotations
@@ -20,6 +23,10 @@ import numpy as np
 import ptl
 from ptl.errors import UserError
 from ptl.files import atomic_path
+from ptl.remedies import make_again, rebuild_command
+
+SEAL = b"\nsha256 of all bytes before this line: "
+"""Begins the line after the end of the HDF5 data."""
 
 
 @contextmanager
@@ -34,12 +41,41 @@ def new_file(path: str | os.PathLike[str], kind: str, origin: Mapping[str, Any])
         Other root attributes: what is needed to make the file again. Dictionaries and lists are written as JSON.
     """
     versions = {"ptl": ptl.__version__, "numpy": np.__version__, "h5py": h5py.__version__}
-    with atomic_path(path) as temporary, h5py.File(temporary, "w", libver="v110") as file:
+    # Composed in memory, because the HDF5 library crashes when the disk is full.
+    with h5py.File("in memory", "w", driver="core", backing_store=False, libver="v110") as file:
         file.attrs["format"] = kind
         for name, value in {**origin, "versions": versions}.items():
             file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict | list) else value
         yield file
         file.attrs["content"] = content_digest(file)
+        file.flush()
+        image = file.id.get_file_image()
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(sealed(image))
+
+
+def sealed(image: bytes) -> bytes:
+    """The bytes of an HDF5 file with the line at their end that holds their checksum."""
+    return image + SEAL + hashlib.sha256(image).hexdigest().encode() + b"\n"
+
+
+def _seal_fault(path: Path) -> str | None:
+    """What the line at the end says against a file; None if it fits."""
+    length = len(sealed(b""))
+    with path.open("rb") as file:
+        rest = file.seek(0, os.SEEK_END) - length
+        if rest < 0:
+            return "too short"
+        digest = hashlib.sha256()
+        file.seek(0)
+        while rest:
+            block = file.read(min(rest, 2**20))
+            digest.update(block)
+            rest -= len(block)
+        line = file.read()
+    if not line.startswith(SEAL):
+        return "without the checksum at its end"
+    return None if line == SEAL + digest.hexdigest().encode() + b"\n" else "its bytes do not match its checksum"
 
 
 @contextmanager
@@ -51,10 +87,12 @@ def open_file(path: str | os.PathLike[str], *kinds: str) -> Iterator[h5py.File]:
     UserError
         If it is missing, damaged or of another kind; the line ends with the command that makes it again.
     """
-    remedy = f"remove it and run 'snakemake {path}' to make it again"
+    remedy = make_again(path)
     if not Path(path).is_file():
-        raise UserError(f"{path}: no such file; run 'snakemake {path}' to make it")
+        raise UserError(f"{path}: no such file; run '{rebuild_command(path)}' to make it")
     try:
+        if fault := _seal_fault(Path(path)):
+            raise UserError(f"{path}: damaged or not an HDF5 file of ours ({fault}); {remedy}")
         file = h5py.File(path, "r")
     except OSError as error:
         raise UserError(f"{path}: damaged or not an HDF5 file ({_first_line(error)}); {remedy}") from error

@@ -7,7 +7,7 @@ transfer ratio (Taylor and Stone, JMLR 10, 2009), the last with its sign flipped
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -167,7 +167,12 @@ def _peak(metric: np.ndarray) -> int:
 
 
 def measure_files(
-    paths: Iterable[str | Path], window: int, threshold_factor: float, base: str = "no_transfer"
+    paths: Iterable[str | Path],
+    window: int,
+    threshold_factor: float,
+    base: str = "no_transfer",
+    *,
+    admit: Callable[[Path, LearningFile], None] | None = None,
 ) -> Measurements:
     """Measure the learning files of a run, one open at a time.
 
@@ -182,6 +187,8 @@ def measure_files(
         The threshold is this many times the shortest path.
     base : str
         Method that the others are compared with, on the same environment, task and seed.
+    admit : callable, optional
+        Called with the path and the open file of each; it raises UserError to refuse one.
 
     Raises
     ------
@@ -192,6 +199,8 @@ def measure_files(
     collection = _Collection()
     for path in map(Path, paths):
         with open_learning(path) as file:
+            if admit is not None:
+                admit(path, file)
             collection.add(path, file)
     if not collection.steps:
         raise UserError("no learning file to measure; name at least one")

@@ -29,6 +29,7 @@ import pandas as pd
 from scipy import stats
 
 from ptl.errors import UserError
+from ptl.files import read_csv
 
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
@@ -222,15 +223,12 @@ def _bootstrap(
 
 def read_per_seed(path: str | Path) -> pd.DataFrame:
     """Read the per-seed table that `ptl measure` wrote; names stay text, whatever they look like."""
-    try:
-        return pd.read_csv(
-            path,
-            dtype=dict.fromkeys(("environment", "task", "method"), str),
-            keep_default_na=False,
-            na_values={name: [""] for name in PER_SEED_METRICS},
-        )
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise UserError(f"{path}: cannot be read as a per-seed table ({error}); run `ptl measure` first") from error
+    return read_csv(
+        path,
+        dtype=dict.fromkeys(("environment", "task", "method"), str),
+        keep_default_na=False,
+        na_values={name: [""] for name in PER_SEED_METRICS},
+    )
 
 
 def summarise(per_seed: pd.DataFrame, how: Resampling, base: str = "no_transfer") -> pd.DataFrame:

@@ -2,68 +2,169 @@
 
 from __future__ import annotations
 
+import json
+import os
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 
 from ptl.errors import UserError
+from ptl.files import UNFINISHED, read_csv, seal_of
 from ptl.hdf5 import open_file
+from ptl.manifest import MANIFEST, damages
 from ptl.provenance import code_digest
+from ptl.remedies import make_again
 from ptl.skills import Skill
 from ptl.store import FREQUENCIES, GROWTH, KINDS, LEARNING, LearningFile, ResultFile, TaskView, open_result
 
-ARCHIVES = ("ptl-steps/1", "ptl-gain/1", "ptl-robustness/1")
+STEPS, GAIN, SETTING = ARCHIVES = ("ptl-steps/1", "ptl-gain/1", "ptl-robustness/1")
 """Formats of plain arrays, which have a checksum but no invariants of their own."""
+
+FOLDERS = (
+    "learning", "growth", "subgoal_frequencies", "misleading_prior", "fernandez_veloso", "robustness",
+)  # fmt: skip
+"""Folders below results/<run>/ that hold files of one kind."""
+
+
+def checkable(path: Path) -> list[Path]:
+    """What `faults_of` can judge: a file itself; of a folder, what lies below it.
+
+    Those are HDF5 files, manifests and tables that come with a checksum, in alphabetical order. A table that its
+    checksum was lost of is still found by the manifest.
+    """
+    if not path.is_dir():
+        return [path]
+    sealed = {seal.with_suffix("") for seal in path.rglob("*.sha256")}
+    whole = (file for pattern in ("*.h5", MANIFEST) for file in path.rglob(pattern))
+    return sorted(sealed.union(file for file in whole if not file.name.startswith(UNFINISHED)))
 
 
 def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
-    """What is wrong with a result file, one line each that ends with the remedy; empty if nothing is.
+    """What is wrong with a product, one line each that ends with the remedy; empty if nothing is.
 
     Parameters
     ----------
     path : Path
-        A learning, growth or frequency file.
+        An HDF5 file that the workflow made, a table with its checksum beside it, or a manifest: then everything
+        that it names is held against it.
     current_code : bool
-        Also demand that the file was made by the code of this package.
+        Also demand that an HDF5 file was made by the code of this package.
     """
     try:
+        if path.name == MANIFEST:
+            return damages(path.parent)
+        if path.suffix != ".h5":
+            return _broken_table(path)
         with open_file(path, *KINDS, *ARCHIVES) as file:
-            if file.attrs["format"] in ARCHIVES:
-                return []
-        with open_result(path) as result:
-            found = list(_misplaced(path, result)) + list(_impossible(result))
-            if current_code and result.code != _present_code(result):
-                found.append("was made by another version of the code")
+            kind = str(file.attrs["format"])
+            found = list(_foreign_archive(path, file, current_code)) if kind in ARCHIVES else []
+        if kind in KINDS:
+            with open_result(path) as result:
+                found = [*_foreign(path, result, current_code), *_impossible(result)]
     except UserError as error:
         return [str(error)]
-    return [f"{path}: {fault}; remove it and run 'snakemake {path}' to make it again" for fault in found]
+    return [f"{path}: {fault}; {make_again(path)}" for fault in found]
 
 
-def _present_code(result: ResultFile) -> str:
-    if isinstance(result, LearningFile):
-        return code_digest("ptl.learning", f"ptl.methods.{result.method}")
-    if result.format == GROWTH:
-        return code_digest("ptl.growth", f"ptl.methods.{result.file.attrs['method']}")
+def _broken_table(path: Path) -> list[str]:
+    if not seal_of(path).is_file():
+        return [f"{path}: has no checksum to hold it against; name its folder, or an HDF5 file"]
+    read_csv(path)
+    return []
+
+
+class OneRun:
+    """Lets only files through that lie where they belong, come from the present code, and from one run.
+
+    What aggregates many files calls `admit` for each one, so that a file of another job, an older version of the
+    code or other settings cannot slip in.
+    """
+
+    def __init__(self) -> None:
+        self._first: dict[str, tuple[Path, dict[str, Any]]] = {}
+
+    def admit(self, path: str | os.PathLike[str], result: ResultFile) -> None:
+        """Refuse a file that does not belong to the run of those before it.
+
+        Raises
+        ------
+        UserError
+            Naming the file and the command that makes it again.
+        """
+        path = Path(path)
+        for fault in _foreign(path, result, current_code=True):
+            raise UserError(f"{path}: {fault}; {make_again(path)}")
+        settings = {"root_seed": result.root_seed, **result.parameters}
+        first, expected = self._first.setdefault("settings", (path, settings))
+        if settings != expected:
+            differing = ", ".join(key for key in expected if settings.get(key) != expected[key]) or "parameters"
+            raise UserError(f"{path}: was made with other settings ({differing}) than {first}; {make_again(path)}")
+        world = {"map": str(result.file.attrs["map"])}
+        first, expected = self._first.setdefault(f"map of {result.environment}", (path, world))
+        if world != expected:
+            raise UserError(f"{path}: was made on another map than {first}; {make_again(path)}")
+
+
+def _foreign(path: Path, result: ResultFile, current_code: bool) -> Iterator[str]:
+    yield from _misplaced(path, result)
+    if current_code and result.code != _present_code(result.format, str(result.file.attrs.get("method", ""))):
+        yield "was made by another version of the code"
+
+
+@cache
+def _present_code(kind: str, method: str) -> str:
+    if kind == LEARNING:
+        return code_digest("ptl.learning", f"ptl.methods.{method}")
+    if kind == GROWTH:
+        return code_digest("ptl.growth", f"ptl.methods.{method}")
     return code_digest("ptl.frequencies")
+
+
+def _foreign_archive(path: Path, file: h5py.File, current_code: bool) -> Iterator[str]:
+    """Place and code of the files that hold plain arrays."""
+    kind = str(file.attrs["format"])
+    if kind == STEPS:
+        if path.name != "steps.h5":
+            yield "holds the steps of a whole run, steps.h5"
+        return
+    name, modules = {
+        GAIN: ("arm", ("ptl.fv_experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer")),
+        SETTING: ("setting", ()),
+    }[kind]
+    if path.stem != str(file.attrs[name]):
+        yield f"holds the job {file.attrs[name]}"
+    if kind == SETTING:
+        methods = json.loads(file.attrs["job"])["methods"]
+        modules = ("ptl.robustness.running", *[f"ptl.methods.{method}" for method in methods])
+    if current_code and str(file.attrs["code"]) != code_digest(*modules):
+        yield "was made by another version of the code"
 
 
 def _misplaced(path: Path, result: ResultFile) -> Iterator[str]:
     """The layout of results/<run>/ says which job a file must come from."""
     parts = path.absolute().parts
-    if result.format == LEARNING and "learning" in parts[:-3]:
+    folders = parts[-4:-1]  # not those that the project itself lies in
+    if result.format == LEARNING and ("learning" in folders or folders[-1] == "misleading_prior"):
         assert isinstance(result, LearningFile)
-        expected = (result.environment, result.method, f"seed_{result.seed:03d}.h5")
-        if parts[-3:] != expected:
+        expected: tuple[str, ...] = (result.environment, result.method, f"seed_{result.seed:03d}.h5")
+        if "learning" not in folders:
+            expected = (result.environment, expected[-1])
+        if parts[-len(expected) :] != expected:
             yield f"holds the job {'/'.join(expected)}"
-    elif result.format == GROWTH and parts[-2] == "growth":
+    elif result.format == GROWTH and folders[-1] == "growth":
         expected_name = f"run_{int(result.file.attrs['seed']):03d}.h5"
         if parts[-1] != expected_name:
             yield f"holds the job {expected_name}"
-    elif result.format == FREQUENCIES and parts[-2] == "subgoal_frequencies":
-        if path.stem != result.environment:
-            yield f"holds the frequencies of {result.environment}"
-    elif any(folder in parts[-4:-1] for folder in ("learning", "growth", "subgoal_frequencies")):
+    elif result.format == FREQUENCIES and "subgoal_frequencies" in folders:
+        batch = result.file.attrs.get("batch")
+        expected = (f"{result.environment}.h5",) if batch is None else (result.environment, f"batch_{batch}.h5")
+        if parts[-len(expected) :] != expected:
+            yield f"holds the frequencies {'/'.join(expected)}"
+    elif parts[-1] == "steps.h5" or any(folder in folders for folder in FOLDERS):
         yield f"is of the kind {result.format}, which does not belong in this folder"
 
 

@@ -75,7 +75,7 @@ def test_changed_and_missing_products_are_found_but_measured_times_may_differ(pr
     assert "metrics.csv: differs" in line
     (folder / "tables/metrics.csv").unlink()
     [line] = differences(folder, manifest)
-    assert "is missing; run 'snakemake'" in line
+    assert "is missing; run 'snakemake " in line
 
 
 def test_what_is_no_manifest_is_refused(tmp_path):

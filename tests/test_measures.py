@@ -20,6 +20,7 @@ from ptl.errors import UserError
 from ptl.gridworld import GridWorld
 from ptl.learning import learn_life, tasks_of
 from ptl.parameters import Parameters
+from ptl.provenance import code_digest
 from ptl.store import write_learning
 
 BASE = np.array([[100, 50, 10, 10], [200, 30, 20, 10]])
@@ -237,7 +238,7 @@ def test_command_measures_learning_files(tmp_path):
             life = learn_life(world, tasks_of(world, "AC"), method, parameters, 7, "tiny", seed)
             paths.append(tmp_path / method / f"seed_{seed:03d}.h5")
             origin = {"environment": "tiny", "method": method, "seed": seed, "root_seed": 7}
-            origin |= {"parameters": parameters.to_dict(), "code": "none"}
+            origin |= {"parameters": parameters.to_dict(), "code": code_digest("ptl.learning", f"ptl.methods.{method}")}
             write_learning(paths[-1], life, world, origin)
             lives[method, seed] = life
     names = tmp_path / "files.txt"

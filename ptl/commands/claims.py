@@ -57,7 +57,7 @@ def command(
     evidence = read_evidence(per_seed, dict(map(_name_and_path, maps)), *files, how=how)
     judgements = judge(evidence)
     run = ledger.Run(evidence.n_seeds(), confidence, resamples)
-    write_csv(ledger.to_frame(judgements), output_csv)
+    write_csv(ledger.to_frame(judgements), output_csv, sealed=True)
     write_csv(ledger.to_parts_frame(judgements), output_parts)
     write_text(output_md, ledger.to_markdown(judgements, run))
     write_text(output_html, ledger.to_html(judgements, run))

@@ -221,14 +221,15 @@ def library_cost(selection_path: Path, storage_path: Path, output: Path) -> None
 
 def _all_files(files: tuple[Path, ...], files_from: Path | None) -> list[Path]:
     from ptl.errors import UserError
+    from ptl.files import expand_numbers
 
     if files_from is None:
-        return list(files)
+        return expand_numbers(files)
     try:
         lines = files_from.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise UserError(f"{files_from}: cannot be read as a list of files ({error}); check --files-from") from error
-    return [*files, *(Path(line.strip()) for line in lines if line.strip())]
+    return [*expand_numbers(files), *(Path(line.strip()) for line in lines if line.strip())]
 
 
 def _named(pairs: tuple[str, ...], convert: Callable[[str], _Value]) -> dict[str, _Value]:

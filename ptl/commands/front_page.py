@@ -20,16 +20,14 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 @click.option("--output", required=True, type=FILE, help="reStructuredText file to write.")
 def command(claims: Path, metrics: Path, environments: tuple[str, ...], methods: tuple[str, ...], output: Path) -> None:
     """Compose the front page from the table of CLAIMS and the table of METRICS."""
-    import pandas as pd
-
-    from ptl.files import write_text
+    from ptl.files import read_csv, write_text
     from ptl.front_page import compose
     from ptl.methods import load
 
     parts = [text.split("=", 2) for text in environments]
     page = compose(
-        pd.read_csv(claims, keep_default_na=False),
-        pd.read_csv(metrics),
+        read_csv(claims, keep_default_na=False),
+        read_csv(metrics),
         titles={name: title for name, _, title in parts},
         last_tasks={name: task for name, task, _ in parts},
         labels={name: load(name).label for name in methods},

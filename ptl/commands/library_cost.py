@@ -19,6 +19,7 @@ def command(maps: tuple[Path, ...], output_selection: Path, output_storage: Path
     from ptl.files import write_csv
     from ptl.gridworld import load_map
 
-    write_csv(selection_seconds([1, 2, 5, 10, 20, 50, 100, 200, 350, 500, 700, 1000, 2000, 5000]), output_selection)
+    sizes = [1, 2, 5, 10, 20, 50, 100, 200, 350, 500, 700, 1000, 2000, 5000]
+    write_csv(selection_seconds(sizes), output_selection, sealed=True)
     states = sorted({load_map(path).n_states for path in maps})
-    write_csv(library_bytes(states, [1, 3, 10, 30, 100]), output_storage)
+    write_csv(library_bytes(states, [1, 3, 10, 30, 100]), output_storage, sealed=True)

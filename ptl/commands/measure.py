@@ -33,16 +33,18 @@ def command(
 ) -> None:
     """Measure the learning FILES of a run.
 
+    A range of seeds may be written as seed_[0-29].h5.
     Environments and methods keep the order in which they first appear among FILES.
     """
-    from ptl.files import write_csv
+    from ptl.files import expand_numbers, write_csv
     from ptl.measures import measure_files, write_steps
+    from ptl.verification import OneRun
 
-    paths = [*files, *(_read_list(files_from) if files_from else [])]
-    measurements = measure_files(paths, window, threshold_factor)
-    write_csv(measurements.per_seed, output_per_seed)
+    paths = [*expand_numbers(files), *(_read_list(files_from) if files_from else [])]
+    measurements = measure_files(paths, window, threshold_factor, admit=OneRun().admit)
+    write_csv(measurements.per_seed, output_per_seed, sealed=True)
     if output_subgoals:
-        write_csv(measurements.subgoals, output_subgoals)
+        write_csv(measurements.subgoals, output_subgoals, sealed=True)
     if output_steps:
         write_steps(output_steps, measurements)
 

@@ -48,6 +48,8 @@ def batch(
     arrays = subgoal_frequencies(world, states[batch::batches], trajectories, chosen.learning, root_seed, environment)
     origin = {
         "environment": environment,
+        "batch": batch,
+        "batches": batches,
         "trajectories": trajectories,
         "root_seed": root_seed,
         "parameters": chosen.to_dict(),
@@ -64,21 +66,25 @@ def merge(batches: tuple[str, ...], output: str) -> None:
     from ptl.errors import UserError
     from ptl.frequencies import ARRAYS, add_up
     from ptl.store import FREQUENCIES, open_result, write_frequencies
+    from ptl.verification import OneRun
 
-    parts, origins = [], []
+    parts, run, numbers = [], OneRun(), []
     for path in batches:
         with open_result(path, FREQUENCIES) as result:
+            run.admit(path, result)
             parts.append({name: result.file[name][()] for name in ARRAYS})
-            origins.append(
-                {
-                    "environment": result.environment,
-                    "trajectories": int(result.file.attrs["trajectories"]),
-                    "root_seed": result.root_seed,
-                    "parameters": result.parameters,
-                    "code": result.code,
-                }
-            )
-            world = result.world
-        if origins[-1] != origins[0]:
-            raise UserError(f"{path}: comes from another run than {batches[0]}; remove both and run again")
-    write_frequencies(output, add_up(parts), world, origins[0])
+            numbers.append(int(result.file.attrs["batch"]))
+            origin = {
+                "environment": result.environment,
+                "trajectories": int(result.file.attrs["trajectories"]),
+                "root_seed": result.root_seed,
+                "parameters": result.parameters,
+                "code": result.code,
+            }
+            world, expected = result.world, int(result.file.attrs["batches"])
+    if sorted(numbers) != list(range(expected)):
+        raise UserError(
+            f"batches {', '.join(map(str, numbers))} were given where 0 to {expected - 1} are needed, each once;"
+            " remove them and run 'snakemake subgoal_frequencies'"
+        )
+    write_frequencies(output, add_up(parts), world, origin)

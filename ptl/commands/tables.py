@@ -64,7 +64,7 @@ def command(
         environments=dict(_name_and_title(text) for text in environments) or None,
         source=f"{output_metrics.name} (from {per_seed.name})",
     )
-    write_csv(metrics, output_metrics)
+    write_csv(metrics, output_metrics, sealed=True)
     write_tables(tables, output_folder)
 
 

@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from ptl.errors import UserError
 from ptl.figures import style
 from ptl.figures.bands import interval, mean_band, resampling_weights
+from ptl.files import read_csv
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,10 +69,7 @@ def _projector(tasks: np.ndarray, bend: float) -> np.ndarray:
 
 def read_growth(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """Tasks (points,) and library sizes (runs, points) of a file with columns run, tasks, library_size."""
-    try:
-        frame = pd.read_csv(path)
-    except (OSError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise UserError(f"{path}: cannot be read as CSV ({error}); make it again") from error
+    frame = read_csv(path)
     for column in ("run", "tasks", "library_size"):
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; give the growth table")

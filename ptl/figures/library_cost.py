@@ -11,6 +11,7 @@ import pandas as pd
 
 from ptl.errors import UserError
 from ptl.figures import style
+from ptl.files import read_csv
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,10 +25,7 @@ KIBIBYTE = 1024
 
 def read(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
     """Read these columns of a CSV file, all of them positive numbers."""
-    try:
-        frame = pd.read_csv(path)
-    except (OSError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        raise UserError(f"{path}: cannot be read as CSV ({error}); make it again") from error
+    frame = read_csv(path)
     for column in columns:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; the columns must be {', '.join(columns)}")

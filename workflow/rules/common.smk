@@ -5,8 +5,9 @@ import os
 import shlex
 import sys
 
-from ptl.configuration import check
+from ptl.configuration import check, check_text
 from ptl.errors import UserError
+from ptl.files import remove_unfinished
 from ptl.provenance import check_build, code_digest
 
 
@@ -18,6 +19,8 @@ def refuse(error):
 
 try:
     check_build()
+    for path in workflow.configfiles:
+        check_text(path)
     check(config, workflow.source_path("../schemas/config.schema.yaml"))
 except UserError as error:
     refuse(error)
@@ -43,6 +46,10 @@ pathvars:
     results=f"results/{config['run']}",
     reports=f"reports/{config['run']}",
     logs=f"logs/{config['run']}",
+
+
+onstart:
+    remove_unfinished(f"results/{config['run']}", f"reports/{config['run']}")
 
 
 wildcard_constraints:
@@ -71,6 +78,20 @@ def learning_files(environments=ENVIRONMENTS, methods=METHODS):
         method=methods,
         seed=SEEDS,
     )
+
+
+def numbered(pattern, count):
+    """Result files with [] for a number, as one range: commands must not grow with the number of seeds."""
+    return f"results/{config['run']}/" + pattern.replace("[]", f"[0-{count - 1}]")
+
+
+def numbered_learning_files(environments=ENVIRONMENTS, methods=METHODS):
+    """Learning files of the run as ranges of seeds, in the order of the tables."""
+    return [
+        numbered(f"learning/{environment}/{method}/seed_[].h5", config["seeds"])
+        for environment in environments
+        for method in methods
+    ]
 
 
 def title_of(environment):

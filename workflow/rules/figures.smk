@@ -70,12 +70,13 @@ rule draw_misleading_prior:
     conda:
         "../envs/ptl.yaml"
     params:
+        files=numbered("misleading_prior/seed_[].h5", config["seeds"]),
         confidence=CONFIDENCE,
         code=drawing_code("misleading_prior"),
     message:
         "Drawing how the likelihood overrules a misleading prior"
     shell:
-        "ptl figure misleading-prior {input:q} --confidence {params.confidence} --output {output.png:q} 2> {log:q}"
+        "ptl figure misleading-prior {params.files:q} --confidence {params.confidence} --output {output.png:q} 2> {log:q}"
 
 
 rule draw_map:
@@ -148,13 +149,16 @@ rule draw_discovery:
     conda:
         "../envs/ptl.yaml"
     params:
+        files=lambda wildcards: numbered_learning_files(
+            [DISCOVERY_FIGURES[wildcards.figure]], ["ptl"]
+        ),
         title=lambda wildcards: title_of(DISCOVERY_FIGURES[wildcards.figure]),
         tasks=lambda wildcards: discovery_tasks(DISCOVERY_FIGURES[wildcards.figure]),
         code=drawing_code("discovery"),
     message:
         "Drawing subgoal discovery, {wildcards.figure}"
     shell:
-        "ptl figure discovery {input:q} --tasks {params.tasks} --title {params.title:q}"
+        "ptl figure discovery {params.files:q} --tasks {params.tasks} --title {params.title:q}"
         " --output {output.png:q} 2> {log:q}"
 
 

@@ -13,13 +13,14 @@ rule measure:
     conda:
         "../envs/ptl.yaml"
     params:
+        files=numbered_learning_files(),
         measures=f"--window {config['measures']['window']}"
         f" --threshold-factor {config['measures']['threshold_factor']}",
         code=code_digest("ptl.commands.measure", "ptl.measures"),
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
     shell:
-        "ptl measure {input:q} --output-per-seed {output.per_seed:q} --output-subgoals {output.subgoals:q}"
+        "ptl measure {params.files:q} --output-per-seed {output.per_seed:q} --output-subgoals {output.subgoals:q}"
         " --output-steps {output.steps:q} {params.measures} 2> {log:q}"
 
 
@@ -33,11 +34,12 @@ rule collect_growth:
     conda:
         "../envs/ptl.yaml"
     params:
+        files=numbered("growth/run_[].h5", config["growth"]["runs"]),
         code=code_digest("ptl.commands.collect_growth"),
     message:
         "Collecting the growth of the library"
     shell:
-        "ptl collect-growth {input:q} --output {output:q} 2> {log:q}"
+        "ptl collect-growth {params.files:q} --output {output:q} 2> {log:q}"
 
 
 rule library_cost:
