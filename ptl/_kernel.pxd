@@ -23,7 +23,7 @@ cdef class Learner:
     cdef int next_word
     cdef uint32_t half
     cdef bint has_half
-    cdef bint shortcut
+    cdef bint shortcut, noting
     cdef double alpha, gamma
     cdef uint64_t epsilon
     cdef int64_t max_steps, taken

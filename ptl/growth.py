@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
+
 import numpy as np
 
 from ptl import seeding
@@ -21,9 +23,16 @@ def random_tasks(world: GridWorld, number: int, random: np.random.Generator) -> 
 
 
 def grow_library(
-    world: GridWorld, number: int, parameters: Parameters, root_seed: int, environment: str, run: int
+    world: GridWorld,
+    number: int,
+    parameters: Parameters,
+    root_seed: int,
+    environment: str,
+    run: int,
+    *,
+    watch: Callable[[list[Task]], Iterable[Task]] = iter,
 ) -> Life:
-    """Learn ``number`` random tasks with a fresh library."""
+    """Learn ``number`` random tasks with a fresh library; ``watch`` may look on as they are taken one by one."""
     random = seeding.generator(root_seed, "growth", environment, run, "tasks")
     tasks = random_tasks(world, number, random)
-    return learn_life(world, tasks, METHOD, parameters, root_seed, "growth", environment, run)
+    return learn_life(world, watch(tasks), METHOD, parameters, root_seed, "growth", environment, run)

@@ -42,10 +42,11 @@ def command(
     from ptl.explorer.data import collect
     from ptl.explorer.page import build
     from ptl.files import write_text
+    from ptl.progress import shown
 
     paths = [*files, *(_read_list(files_from) if files_from else [])]
     titles = dict(_name_and_title(text) for text in environments)
-    write_text(output, build(collect(paths, seeds or None, titles)))
+    write_text(output, build(collect(shown(paths, "Reading"), seeds or None, titles)))
 
 
 def _name_and_title(text: str) -> tuple[str, str]:

@@ -22,12 +22,15 @@ def command(
     from ptl.gridworld import load_map
     from ptl.growth import METHOD, grow_library
     from ptl.parameters import Parameters
+    from ptl.progress import shown
     from ptl.provenance import code_digest
     from ptl.store import write_growth
 
     chosen = Parameters.from_dict(json.loads(parameters))
     world = load_map(map_path)
-    life = grow_library(world, tasks, chosen, root_seed, environment, run)
+    life = grow_library(
+        world, tasks, chosen, root_seed, environment, run, watch=lambda drawn: shown(drawn, "Learning tasks")
+    )
     origin = {
         "environment": environment,
         "method": METHOD,

@@ -23,12 +23,14 @@ def command(
     from ptl.gridworld import load_map
     from ptl.learning import learn_life, tasks_of
     from ptl.parameters import Parameters
+    from ptl.progress import shown
     from ptl.provenance import code_digest
     from ptl.store import write_learning
 
     chosen = Parameters.from_dict(json.loads(parameters))
     world = load_map(map_path)
-    life = learn_life(world, tasks_of(world, tasks), method, chosen, root_seed, environment, seed)
+    learned = shown(tasks_of(world, tasks), "Learning tasks")
+    life = learn_life(world, learned, method, chosen, root_seed, environment, seed)
     origin = {
         "environment": environment,
         "method": method,

@@ -38,10 +38,11 @@ def command(
     """
     from ptl.files import expand_numbers, write_csv
     from ptl.measures import measure_files, write_steps
+    from ptl.progress import shown
     from ptl.verification import OneRun
 
     paths = [*expand_numbers(files), *(_read_list(files_from) if files_from else [])]
-    measurements = measure_files(paths, window, threshold_factor, admit=OneRun().admit)
+    measurements = measure_files(shown(paths, "Reading"), window, threshold_factor, admit=OneRun().admit)
     write_csv(measurements.per_seed, output_per_seed, sealed=True)
     if output_subgoals:
         write_csv(measurements.subgoals, output_subgoals, sealed=True)

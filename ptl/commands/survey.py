@@ -39,13 +39,15 @@ def batch(
     from ptl.frequencies import chosen_starts, subgoal_frequencies
     from ptl.gridworld import load_map
     from ptl.parameters import Parameters
+    from ptl.progress import shown
     from ptl.provenance import code_digest
     from ptl.store import write_frequencies
 
     chosen = Parameters.from_dict(json.loads(parameters))
     world = load_map(map_path)
     states = chosen_starts(world, None if starts == "all" else int(starts), root_seed, environment)
-    arrays = subgoal_frequencies(world, states[batch::batches], trajectories, chosen.learning, root_seed, environment)
+    watched = shown(states[batch::batches].tolist(), "Start states")
+    arrays = subgoal_frequencies(world, watched, trajectories, chosen.learning, root_seed, environment)
     origin = {
         "environment": environment,
         "batch": batch,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import click
@@ -29,6 +28,7 @@ def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> No
     """
     from ptl.errors import UserError
     from ptl.manifest import differences
+    from ptl.progress import shown
     from ptl.verification import checkable, faults_of
 
     if against is not None:
@@ -43,9 +43,8 @@ def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> No
     if not files:
         raise UserError(f"{paths[0]}: nothing there that can be checked; name result files or folders of them")
     found: dict[str, None] = {}
-    with click.progressbar(files, label="Verifying", file=sys.stderr) as bar:
-        for path in bar:
-            found.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
+    for path in shown(files, "Verifying"):
+        found.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
     for fault in found:
         click.echo(fault)
     if found:
