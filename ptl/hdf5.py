@@ -1,7 +1,7 @@
 """HDF5 files with an origin and a checksum: written whole or not at all, checked whenever they are opened.
 
 Equal runs give equal bytes: nothing in a file depends on when or where it was written. The root attribute ``format``
-says what a file is, ``versions`` which packages made it, and ``content`` is a sha256 over everything else in it.
+says what a file is, and ``versions`` which packages made it.
 
 After the end of the HDF5 data, where every HDF5 reader ignores it, stands a line with the sha256 of all bytes before
 it. It is checked before the HDF5 library sees a file, because that library can crash on damage or never return.
@@ -47,7 +47,6 @@ def new_file(path: str | os.PathLike[str], kind: str, origin: Mapping[str, Any])
         for name, value in {**origin, "versions": versions}.items():
             file.attrs[name] = json.dumps(value, sort_keys=True) if isinstance(value, dict | list) else value
         yield file
-        file.attrs["content"] = content_digest(file)
         file.flush()
         image = file.id.get_file_image()
     with atomic_path(path) as temporary:
@@ -87,48 +86,22 @@ def open_file(path: str | os.PathLike[str], *kinds: str) -> Iterator[h5py.File]:
     UserError
         If it is missing, damaged or of another kind; the line ends with the command that makes it again.
     """
-    remedy = make_again(path)
     if not Path(path).is_file():
         raise UserError(f"{path}: no such file; run '{rebuild_command(path)}' to make it")
     try:
         if fault := _seal_fault(Path(path)):
-            raise UserError(f"{path}: damaged or not an HDF5 file of ours ({fault}); {remedy}")
+            raise UserError(f"{path}: damaged or not an HDF5 file of ours ({fault}); {make_again(path)}")
         file = h5py.File(path, "r")
     except OSError as error:
-        raise UserError(f"{path}: damaged or not an HDF5 file ({_first_line(error)}); {remedy}") from error
+        raise UserError(f"{path}: damaged or not an HDF5 file ({_first_line(error)}); {make_again(path)}") from error
     with file:
         try:
             found = file.attrs.get("format")
-            intact = file.attrs.get("content") == content_digest(file)
         except Exception as error:  # HDF5 reports damage by exceptions of many types
-            raise UserError(f"{path}: damaged ({_first_line(error)}); {remedy}") from error
+            raise UserError(f"{path}: damaged ({_first_line(error)}); {make_again(path)}") from error
         if found not in kinds:
-            raise UserError(f"{path}: is not a {_any_of(kinds)} file (format {found!r}); {remedy}")
-        if not intact:
-            raise UserError(f"{path}: damaged (its content does not match its checksum); {remedy}")
+            raise UserError(f"{path}: is not a {_any_of(kinds)} file (format {found!r}); {make_again(path)}")
         yield file
-
-
-def content_digest(file: h5py.File) -> str:
-    """sha256 over all names, attributes, types, shapes and values of an open file, save the root's ``content``."""
-    digest = hashlib.sha256()
-
-    def add_attributes(item: h5py.Group | h5py.Dataset) -> None:
-        for name in sorted(item.attrs):
-            if not (item.name == "/" and name == "content"):
-                value = np.asarray(item.attrs[name])
-                digest.update(f"{item.name}@{name}={value.dtype.str} {value.tolist()!r}\n".encode())
-
-    def add(_: str, item: h5py.Group | h5py.Dataset) -> None:
-        digest.update(f"{item.name}\n".encode())
-        add_attributes(item)
-        if isinstance(item, h5py.Dataset):
-            digest.update(f"{item.dtype.str}{item.shape}\n".encode())
-            digest.update(np.ascontiguousarray(item[()]).tobytes())
-
-    add_attributes(file)
-    file.visititems(add)
-    return digest.hexdigest()
 
 
 def _any_of(kinds: Collection[str]) -> str:

@@ -87,7 +87,7 @@ class SkillSelection:
         unused = np.isnan(self._performance)
         if unused.all():
             return np.ones(len(unused))
-        return np.where(unused, np.nanmax(self._performance), self._performance)
+        return np.where(unused, np.fmax.reduce(self._performance), self._performance)
 
     def probabilities(self) -> np.ndarray:
         """Probability of drawing each skill, float (k,)."""

@@ -7,7 +7,6 @@ import platform
 import socket
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pandas as pd
 import pytest
@@ -147,8 +146,7 @@ def test_the_timed_job_does_what_ptl_learn_does(tmp_path):
     arguments = ["--map", str(ENV2), "--environment", "benchmark", "--tasks", "ABCDEF", "--method", "no_transfer"]
     done = CliRunner().invoke(learn, [*arguments, "--seed", "0", "--root-seed", "0", "--output", str(theirs)])
     assert done.exit_code == 0, done.output
-    with h5py.File(ours) as one, h5py.File(theirs) as other:
-        assert one.attrs["content"] == other.attrs["content"]
+    assert ours.read_bytes() == theirs.read_bytes()
     assert set(report) == {*startup.PHASES, "all", "peak"}
     assert sum(report[phase] for phase in startup.PHASES) == pytest.approx(report["all"], abs=0.05)
     assert 10 < report["peak"] < 1000

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import shutil
 from pathlib import Path
 
@@ -9,6 +10,41 @@ import pytest
 
 from ptl import provenance
 from ptl.errors import UserError
+
+
+def parsed_imports(path: Path) -> set[str]:
+    """What a file imports from this package, by Python's own parser."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "ptl":
+            names = [f"{node.module}.{alias.name}" for alias in node.names]
+            found |= {name if provenance._is_module(name) else node.module for name in names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names if alias.name.split(".")[0] == "ptl"}
+    return found
+
+
+def test_imports_are_found_as_the_parser_finds_them():
+    modules = sorted(provenance.PACKAGE.rglob("*.py"))
+    assert len(modules) > 50
+    for path in modules:
+        parts = path.relative_to(provenance.PACKAGE.parent).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        [source], imported = provenance._sources_and_imports(name)
+        assert source == path and imported >= parsed_imports(path), name
+        # its program for another process stands in a string
+        assert imported == parsed_imports(path) or name == "ptl.benchmark.startup", name
+
+
+def test_both_forms_of_imports_are_found(package):
+    (package / "odd.py").write_text(
+        '"""Odd."""\n\nimport os\nimport ptl.files\nfrom ptl import skills as s, methods\n'
+        "if True:\n    from ptl.errors import (  # a comment, with a comma\n        UserError,  # another (one\n    )\n"
+        "def later():\n    from ptl.methods import load, _base\n"
+    )
+    expected = {"ptl.files", "ptl.skills", "ptl.methods", "ptl.errors", "ptl.methods._base"}
+    assert parsed_imports(package / "odd.py") == expected
+    assert provenance._sources_and_imports("ptl.odd")[1] == expected
 
 
 @pytest.fixture
