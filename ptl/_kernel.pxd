@@ -23,7 +23,8 @@ cdef class Learner:
     cdef int next_word
     cdef uint32_t half
     cdef bint has_half
-    cdef bint shortcut, noting
+    cdef bint shortcut
+    cdef bint notes_pairs  # False: actions taken two at a time are not noted, and `seen` must not be asked for
     cdef double alpha, gamma
     cdef uint64_t epsilon
     cdef int64_t max_steps, taken

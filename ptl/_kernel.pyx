@@ -208,7 +208,7 @@ cdef class Learner:
         self.epsilon = threshold(check_probability("epsilon", epsilon))
         self.max_steps = max_steps
         self.shortcut = shortcut
-        self.noting = True
+        self.notes_pairs = True
         self._generator = bit_generator
         self.generator = <bitgen_t*>PyCapsule_GetPointer(bit_generator.capsule, "BitGenerator")
         self.next_word = WORDS
@@ -432,7 +432,7 @@ cdef class Learner:
             uint8_t* last_exit = self.last_exit
             double alpha = self.alpha
             uint32_t goal = self.goal, row = SLOTS * self.here, half = self.half
-            bint has_half = self.has_half, noting = self.noting
+            bint has_half = self.has_half, notes_pairs = self.notes_pairs
             int64_t limit = max(0, min(budget, self.max_steps - self.taken)), left = limit
             uint32_t state, action, middle, move, slot
             uint64_t word, product
@@ -453,7 +453,7 @@ cdef class Learner:
                     middle = successors[row // 4 + action]
                     last_exit[state] = action
                     last_exit[middle] = slot >> 2
-                    if noting:
+                    if notes_pairs:
                         taken_pairs[row + slot] = 1
                     row = jumps[row + slot]
                     state = row // SLOTS

@@ -53,7 +53,7 @@ def subgoals_from(Dynamics dynamics, int start, goals, bit_generator, int trajec
     """
     cdef Learner learner = _Learner(dynamics, 0, bit_generator, alpha=alpha, gamma=gamma, epsilon=epsilon,
                                     max_steps=max_steps, shortcut=shortcut)
-    learner.noting = False
+    learner.notes_pairs = False
     cdef int n = dynamics.n_states, goal, successes, episode, length, j, i, best
     cdef int64_t total_steps = 0
     cdef double metric, highest

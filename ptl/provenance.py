@@ -26,8 +26,11 @@ IMPORT = re.compile(r"^[ \t]*(?:from (ptl(?:\.\w+)*) import (\([^)]*\)|.*)|impor
 """Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
 
 
+@cache
 def code_digest(*modules: str) -> str:
     """sha256 (first 16 hex digits) over the sources of modules and of all that they import from this package.
+
+    Sources are read once in a process.
 
     Parameters
     ----------

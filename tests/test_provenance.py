@@ -12,6 +12,12 @@ from ptl import provenance
 from ptl.errors import UserError
 
 
+def forget() -> None:
+    """Make the next digest read the sources again."""
+    provenance.code_digest.cache_clear()
+    provenance._sources_and_imports.cache_clear()
+
+
 def parsed_imports(path: Path) -> set[str]:
     """What a file imports from this package, by Python's own parser."""
     found = set()
@@ -53,9 +59,9 @@ def package(tmp_path, monkeypatch) -> Path:
     copy = tmp_path / "ptl"
     shutil.copytree(provenance.PACKAGE, copy, ignore=shutil.ignore_patterns("*.so", "*.c", "__pycache__"))
     monkeypatch.setattr(provenance, "PACKAGE", copy)
-    provenance._sources_and_imports.cache_clear()
+    forget()
     yield copy
-    provenance._sources_and_imports.cache_clear()
+    forget()
 
 
 LEARNING = ("ptl.learning", "ptl.methods.ptl", "ptl.store")
@@ -83,7 +89,7 @@ def test_only_what_learning_uses_changes_its_digest(package, edited, learning_ch
     before = provenance.code_digest(*LEARNING)
     path = package / edited
     path.write_text(path.read_text() + "\n# edited\n")
-    provenance._sources_and_imports.cache_clear()
+    forget()
     assert (provenance.code_digest(*LEARNING) != before) == learning_changes
 
 
@@ -91,7 +97,7 @@ def test_a_plot_hangs_on_its_own_file(package):
     maps, growth = provenance.code_digest("ptl.figures.maps"), provenance.code_digest("ptl.figures.growth")
     path = package / "figures/maps.py"
     path.write_text(path.read_text() + "\n# edited\n")
-    provenance._sources_and_imports.cache_clear()
+    forget()
     assert provenance.code_digest("ptl.figures.maps") != maps
     assert provenance.code_digest("ptl.figures.growth") == growth
 
