@@ -10,6 +10,7 @@ rule measure:
         steps="<results>/steps.h5",
     log:
         "<logs>/measure.log",
+    priority: 1
     conda:
         "../envs/ptl.yaml"
     params:

@@ -9,7 +9,7 @@ rule survey_batch:
     log:
         "<logs>/subgoal_frequencies/{environment}/batch_{batch}.log",
     # The longest jobs of the run go first, so that short ones fill the gap at the end.
-    priority: 1
+    priority: 2
     conda:
         "../envs/ptl.yaml"
     params:

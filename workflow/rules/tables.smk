@@ -21,6 +21,7 @@ rule tabulate:
         ),
     log:
         "<logs>/tabulate.log",
+    priority: 1
     conda:
         "../envs/ptl.yaml"
     params:
