@@ -13,7 +13,8 @@ import pytest
 from click.testing import CliRunner
 
 from ptl.benchmark import contestants, machine, pages, probes, run_log, scaling, speed, startup
-from ptl.benchmark.contestants import GymnasiumLoop, Kernel, KernelEveryStep, PlainLoop, PlainReference, Task
+from ptl.benchmark.contestants import GymnasiumLoop, Kernel, KernelEveryStep, PlainLoop, PlainReference
+from ptl.benchmark.task import Task
 from ptl.commands.benchmark import command
 from ptl.errors import UserError
 from ptl.figures import scaling as figure

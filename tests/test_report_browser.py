@@ -56,8 +56,10 @@ def test_front_page_says_what_was_asked_and_found(page):
         ("1 Verdicts", "Claims: verdict and numbers for every claim"),
         ("1 Verdicts", "Differences: the article's numbers beside ours, and why they differ"),
         ("2 Figures", "growth of the skill library"),
+        ("2 Figures", "Figure 05"),
+        ("3 Tables", "total performance, transfer ratio"),
         ("2 Figures", "steps per episode on the last task"),
-        ("6 Checks", "gain in Fernandez and Veloso's own experiment"),
+        ("5 Checks", "gain in Fernandez and Veloso's own experiment"),
     ],
 )
 def test_categories_lead_to_the_products(page, category, item):

@@ -8,7 +8,6 @@ one task, and `run` is the only part that is timed.
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Protocol
 
@@ -16,26 +15,8 @@ import numpy as np
 
 from ptl._kernel import Dynamics, Learner
 from ptl.benchmark.reference import ReferenceLearner
+from ptl.benchmark.task import Task
 from ptl.errors import UserError
-
-
-@dataclass(frozen=True)
-class Task:
-    """A task and the parameters of Q-learning, the same for all contestants.
-
-    Attributes
-    ----------
-    successors : int array, shape (n_states, 4)
-    start, goal : int
-    alpha, gamma, epsilon : float
-    """
-
-    successors: np.ndarray
-    start: int
-    goal: int
-    alpha: float = 0.05
-    gamma: float = 0.95
-    epsilon: float = 0.1
 
 
 def check_installed() -> None:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 if TYPE_CHECKING:
-    from ptl.benchmark.contestants import Task
+    from ptl.benchmark.task import Task
 
 
 class _Placeholder(ModuleType):

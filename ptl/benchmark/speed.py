@@ -17,8 +17,8 @@ from ptl.benchmark.contestants import (
     MushroomRL,
     PlainLoop,
     PlainReference,
-    Task,
 )
+from ptl.benchmark.task import Task
 
 EPISODES = 200
 """Episodes of the task, as in the published run."""

@@ -43,7 +43,8 @@ def speed(
     """Compare the kernel with other learners, and take a learning job and a whole run apart."""
     from ptl.benchmark import machine, pages, run_log, startup
     from ptl.benchmark import speed as contest
-    from ptl.benchmark.contestants import Task, check_installed
+    from ptl.benchmark.contestants import check_installed
+    from ptl.benchmark.task import Task
     from ptl.files import write_csv, write_text
     from ptl.gridworld import load_map
 

@@ -1,5 +1,6 @@
 # Names, checks and parameters that all rules share.
 
+import itertools
 import json
 import os
 import shlex

@@ -35,7 +35,7 @@ rule report_fv:
         png=report(
             "<reports>/figures/policy_reuse_fv.png",
             caption="../report/fv.rst",
-            category="6 Checks",
+            category="5 Checks",
             labels={
                 "item": "Policy reuse",
                 "shows": "gain in Fernandez and Veloso's own experiment",
@@ -45,7 +45,7 @@ rule report_fv:
         page=report(
             "<reports>/tables/policy_reuse_fv.html",
             caption="../report/fv.rst",
-            category="6 Checks",
+            category="5 Checks",
             labels={
                 "item": "Policy reuse",
                 "shows": "gain over all trials, table",

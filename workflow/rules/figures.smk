@@ -9,7 +9,7 @@ rule draw_prior:
             "<reports>/figures/figure03.png",
             caption="../report/figure.rst",
             category="2 Figures",
-            labels={"item": "Figure 3", "shows": "prior of a skill by where it ends"},
+            labels={"item": "Figure 03", "shows": "prior of a skill by where it ends"},
         ),
         twins=multiext("<reports>/figures/figure03", ".svg", ".csv"),
     log:
@@ -60,7 +60,7 @@ rule draw_misleading_prior:
             caption="../report/figure.rst",
             category="2 Figures",
             labels={
-                "item": "Figure 4",
+                "item": "Figure 04",
                 "shows": "the likelihood overrules a misleading prior",
             },
         ),
@@ -89,7 +89,10 @@ rule draw_map:
             "<reports>/figures/{figure}.png",
             caption="../report/figure.rst",
             category="2 Figures",
-            labels={"item": "{figure}", "shows": "map with start and goals"},
+            labels=lambda wildcards: {
+                "item": wildcards.figure.replace("figure", "Figure "),
+                "shows": f"map of {title_of(MAP_FIGURES[wildcards.figure])}",
+            },
         ),
         twins=multiext("<reports>/figures/{figure}", ".svg", ".csv"),
     log:
@@ -115,7 +118,7 @@ rule draw_frequencies:
             "<reports>/figures/figure08.png",
             caption="../report/figure.rst",
             category="2 Figures",
-            labels={"item": "Figure 8", "shows": "subgoal selection frequencies"},
+            labels={"item": "Figure 08", "shows": "subgoal selection frequencies"},
         ),
         twins=multiext("<reports>/figures/figure08", ".svg", ".csv"),
     log:
@@ -139,7 +142,10 @@ rule draw_discovery:
             "<reports>/figures/{figure}.png",
             caption="../report/figure.rst",
             category="2 Figures",
-            labels={"item": "{figure}", "shows": "original and incremental FD metric"},
+            labels=lambda wildcards: {
+                "item": wildcards.figure.replace("figure", "Figure "),
+                "shows": f"subgoal discovery in {title_of(DISCOVERY_FIGURES[wildcards.figure])}",
+            },
         ),
         twins=multiext("<reports>/figures/{figure}", ".svg", ".csv"),
     log:
