@@ -12,7 +12,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness benchmark reliability test test-browser test-all lint format build clean lock
+.PHONY: help reproduce smoke report robustness benchmark reliability test test-slow test-browser test-slurm test-all lint format build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -36,7 +36,7 @@ benchmark: $(BENCHMARK_TOOLS) build  ## Speed and growth of cost on this machine
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
 reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
-	.venv/bin/python tests/reliability.py
+	.venv/bin/python tests/reliability.py $(if $(shell command -v slurmctld),--slurm)
 
 test: $(TEST_TOOLS) build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
@@ -44,8 +44,13 @@ test: $(TEST_TOOLS) build  ## The quick test suite.
 test-browser: $(TEST_TOOLS) build  ## Report and explorer in headless Chromium (needs chromium and chromedriver).
 	.venv/bin/python -m pytest -q -m browser
 
-test-all: $(TEST_TOOLS) build  ## The whole test suite.
-	.venv/bin/python -m pytest -q -n $(CORES)
+test-slow: $(TEST_TOOLS) build  ## Tests that take minutes: kills, tutorials, other surroundings.
+	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m "slow and not slurm"
+
+test-slurm: $(TEST_TOOLS) build  ## Tests on a Slurm cluster of one node, started here as root.
+	.venv/bin/python -m pytest -q -m slurm
+
+test-all: test test-slow test-browser test-slurm  ## All of them.
 
 lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .

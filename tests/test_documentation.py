@@ -120,6 +120,32 @@ def test_readme_sums_up_the_published_verdicts() -> None:
     assert shown == expected, f"put this between the marks of README.md:\n\n{expected}"
 
 
+def speed_table(benchmark: pd.DataFrame) -> str:
+    """The benchmark's figures that stand in the README."""
+    machine = benchmark[benchmark["part"] == "machine"].set_index("item")["quantity"]
+    speed = benchmark[benchmark["part"] == "speed"]
+    run = benchmark[benchmark["item"] == "whole run"].set_index("quantity")["value"]
+    lines = ["| learner | million steps with update per CPU second | times plain Python |", "|---|---|---|"]
+    for learner, rows in speed.groupby("item", sort=False):
+        rate, ratio = rows["value"]
+        figures = [f"{value:.0f}" if value >= 10 else f"{value:.2g}" for value in (rate / 1e6, ratio)]
+        lines.append(f"| {learner} | {figures[0]} | {figures[1]} |")
+    minutes, seconds = divmod(round(run["wall seconds"]), 60)
+    lines += [
+        "",
+        f"Measured on {machine['processor']}, {machine['cores']} cores, {machine['memory']}. There the whole run, all"
+        f" tables and figures included, took {minutes} min {seconds} s.",
+    ]
+    return "\n".join(lines)
+
+
+def test_readme_shows_the_published_speed() -> None:
+    expected = speed_table(pd.read_csv(PUBLISHED / "benchmark.csv"))
+    begin, end = (f"<!-- published: speed, {word} -->" for word in ("begin", "end"))
+    shown = text_of("README.md").partition(begin)[2].partition(end)[0].strip()
+    assert shown == expected, f"put this between the marks of README.md:\n\n{expected}"
+
+
 # -- configuration
 
 
