@@ -15,7 +15,7 @@ import pandas as pd
 JOB = """
 import time
 marks = [("start of Python", time.process_time())]
-import json, sys
+import gc, json, sys
 import ptl.commands.learn, ptl.learning, ptl.store
 marks.append(("imports", time.process_time()))
 import ptl.provenance
@@ -34,6 +34,7 @@ ptl.store.write_learning(output, life, world, origin)
 marks.append(("writing the file", time.process_time()))
 from ptl.benchmark.memory import peak_mebibytes
 print(json.dumps({"marks": marks, "peak": peak_mebibytes()}))
+gc.freeze()  # as the command line does
 """
 """What ``ptl learn`` does, with the clock read between its phases; a process of its own."""
 
