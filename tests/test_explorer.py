@@ -355,12 +355,9 @@ def test_scripts_that_cannot_be_joined(first, second, message, tmp_path, monkeyp
 
 
 def test_command_embeds_the_seeds_that_are_asked_for(paths, tmp_path):
-    listed = tmp_path / "files.txt"
-    listed.write_text("\n".join(map(str, paths)))
     output = tmp_path / "report" / "explorer.html"
     options = [
-        "--files-from",
-        str(listed),
+        *map(str, paths),
         "--output",
         str(output),
         "--seed",

@@ -88,14 +88,13 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pd.DataFrame({"skills": skills, "seconds": 3e-5 + 1e-7 * skills}).to_csv(folder / "selection.csv", index=False)
     storage = [(states, count, states * count) for states in (20, 50) for count in skills]
     pd.DataFrame(storage, columns=["states", "skills", "bytes"]).to_csv(folder / "storage.csv", index=False)
-    (folder / "files.txt").write_text("".join(f"{folder / f'seed_{seed}.h5'}\n" for seed in range(SEEDS)))
     return folder
 
 
 ARGUMENTS: dict[str, Callable[[Path], list[str]]] = {
     "map": lambda at: [f"{at}/small.txt"],
     "prior": lambda at: [f"{at}/small.txt", "--goal", "C"],
-    "misleading-prior": lambda at: ["--files-from", f"{at}/files.txt"],
+    "misleading-prior": lambda at: [f"{at}/seed_{seed}.h5" for seed in range(SEEDS)],
     "frequencies": lambda at: [f"{at}/frequencies.h5", "--title", "small=Small"],
     "discovery": lambda at: [f"{at}/seed_0.h5", f"{at}/seed_1.h5", f"{at}/seed_2.h5", "--tasks", "BC"],
     "curves": lambda at: [f"{at}/steps.h5", "--map", f"small={at}/small.txt"],

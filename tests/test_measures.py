@@ -232,21 +232,19 @@ def test_no_file_at_all_is_refused():
 def test_command_measures_learning_files(tmp_path):
     world = GridWorld.from_text(CORRIDOR)
     parameters = Parameters.from_dict({"learning": {"episodes": 12}, "subgoals": {"trajectories": 5}})
-    lives, paths = {}, []
+    lives = {}
     for method in ("no_transfer", "ptl"):
         for seed in (0, 1):
             life = learn_life(world, tasks_of(world, "AC"), method, parameters, 7, "tiny", seed)
-            paths.append(tmp_path / method / f"seed_{seed:03d}.h5")
             origin = {"environment": "tiny", "method": method, "seed": seed, "root_seed": 7}
             origin |= {"parameters": parameters.to_dict(), "code": code_digest("ptl.learning", f"ptl.methods.{method}")}
-            write_learning(paths[-1], life, world, origin)
+            write_learning(tmp_path / method / f"seed_{seed:03d}.h5", life, world, origin)
             lives[method, seed] = life
-    names = tmp_path / "files.txt"
-    names.write_text("".join(f"{path}\n" for path in paths[1:]), encoding="utf-8")
+    ranges = [str(tmp_path / method / "seed_[0-1].h5") for method in ("no_transfer", "ptl")]
     out = {name: str(tmp_path / name) for name in ("per_seed.csv", "steps.h5", "subgoals.csv")}
     result = CliRunner().invoke(
         command,
-        [str(paths[0]), "--files-from", str(names), "--output-per-seed", out["per_seed.csv"],
+        [*ranges, "--output-per-seed", out["per_seed.csv"],
          "--output-steps", out["steps.h5"], "--output-subgoals", out["subgoals.csv"],
          "--window", "3", "--threshold-factor", "1.5"],
         catch_exceptions=False,
@@ -265,13 +263,3 @@ def test_command_measures_learning_files(tmp_path):
         assert file["tiny/ptl/C"].dtype == np.int64
         np.testing.assert_array_equal(file["tiny/ptl/C"][1], lives["ptl", 1].records[1].steps)
     assert set(pd.read_csv(out["subgoals.csv"])["method"]) == {"ptl"}
-
-
-def test_command_names_a_list_that_cannot_be_read(tmp_path):
-    with pytest.raises(UserError, match=r"missing\.txt"):
-        CliRunner().invoke(
-            command,
-            ["--files-from", str(tmp_path / "missing.txt"), "--output-per-seed", str(tmp_path / "x.csv"),
-             "--window", "3", "--threshold-factor", "1.5"],
-            catch_exceptions=False,
-        )  # fmt: skip

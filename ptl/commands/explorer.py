@@ -11,7 +11,6 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 
 @click.command("explorer")
 @click.argument("files", nargs=-1, type=FILE)
-@click.option("--files-from", type=FILE, help="Text file that names more learning files, one on each line.")
 @click.option("--output", required=True, type=FILE, help="HTML file to write, complete in itself.")
 @click.option(
     "--seed",
@@ -29,22 +28,22 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 )
 def command(
     files: tuple[Path, ...],
-    files_from: Path | None,
     output: Path,
     seeds: tuple[int, ...],
     environments: tuple[str, ...],
 ) -> None:
     """Build the explorer from learning FILES.
 
+    A range of seeds may be written as seed_[0-2].h5.
     Environments and methods keep the order in which they first appear among FILES. A seed adds some 50 kB for
     six tasks of one method.
     """
     from ptl.explorer.data import collect
     from ptl.explorer.page import build
-    from ptl.files import write_text
+    from ptl.files import expand_numbers, write_text
     from ptl.progress import shown
 
-    paths = [*files, *(_read_list(files_from) if files_from else [])]
+    paths = expand_numbers(files)
     titles = dict(_name_and_title(text) for text in environments)
     write_text(output, build(collect(shown(paths, "Reading"), seeds or None, titles)))
 
@@ -52,13 +51,3 @@ def command(
 def _name_and_title(text: str) -> tuple[str, str]:
     name, _, title = text.partition("=")
     return name, title or name
-
-
-def _read_list(path: Path) -> list[Path]:
-    from ptl.errors import UserError
-
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read as a list of files ({error}); check --files-from") from error
-    return [Path(line.strip()) for line in lines if line.strip()]

@@ -18,7 +18,6 @@ OUTPUT = click.option(
     type=FILE,
     help="PNG to write; an SVG and a CSV of the numbers get the same name.",
 )
-FILES_FROM = click.option("--files-from", type=FILE, help="Text file that names more input files, one on each line.")
 CONFIDENCE = click.option(
     "--confidence",
     default=0.95,
@@ -70,14 +69,12 @@ def prior(map_path: Path, goal: str, form: str, width: float, title: str | None,
 
 @command.command("misleading-prior")
 @click.argument("files", nargs=-1, type=FILE)
-@FILES_FROM
 @click.option("--task", help="Task whose selection is drawn; the last one if left out.")
 @click.option("--episodes", default=60, show_default=True, type=click.IntRange(2), help="Episodes to show.")
 @CONFIDENCE
 @OUTPUT
 def misleading_prior(
     files: tuple[Path, ...],
-    files_from: Path | None,
     task: str | None,
     episodes: int,
     confidence: float,
@@ -86,38 +83,39 @@ def misleading_prior(
     """Draw how the likelihood overrules the prior, from learning FILES of ptl on a small map (figure 4)."""
     from ptl.figures import misleading_prior as figure
     from ptl.figures import style
+    from ptl.files import expand_numbers
 
-    selections = figure.collect(_all_files(files, files_from), task, confidence)
+    selections = figure.collect(expand_numbers(files), task, confidence)
     style.save(figure.draw(selections, episodes), selections.frame, output)
 
 
 @command.command("frequencies")
 @click.argument("files", nargs=-1, type=FILE)
-@FILES_FROM
 @TITLES
 @OUTPUT
-def frequencies(files: tuple[Path, ...], files_from: Path | None, titles: tuple[str, ...], output: Path) -> None:
+def frequencies(files: tuple[Path, ...], titles: tuple[str, ...], output: Path) -> None:
     """Draw subgoal selection frequencies, one panel for each of the FILES (figure 8)."""
     from ptl.figures import frequencies as figure
     from ptl.figures import style
+    from ptl.files import expand_numbers
 
-    items = figure.read(_all_files(files, files_from))
+    items = figure.read(expand_numbers(files))
     frame = figure.frequency_frame(items)
     style.save(figure.draw(items, frame, _named(titles, str)), frame, output)
 
 
 @command.command("discovery")
 @click.argument("files", nargs=-1, type=FILE)
-@FILES_FROM
 @click.option("--tasks", required=True, help="Tasks to show, e.g. DEF.")
 @TITLE
 @OUTPUT
-def discovery(files: tuple[Path, ...], files_from: Path | None, tasks: str, title: str | None, output: Path) -> None:
+def discovery(files: tuple[Path, ...], tasks: str, title: str | None, output: Path) -> None:
     """Draw both metrics of subgoal discovery, mean over the learning FILES of all seeds (figures 9 to 11)."""
     from ptl.figures import discovery as figure
     from ptl.figures import style
+    from ptl.files import expand_numbers
 
-    discoveries = figure.collect(_all_files(files, files_from), tasks)
+    discoveries = figure.collect(expand_numbers(files), tasks)
     style.save(figure.draw(discoveries, title or discoveries.environment), discoveries.frame, output)
 
 
@@ -217,19 +215,6 @@ def library_cost(selection_path: Path, storage_path: Path, output: Path) -> None
     storage = figure.read(storage_path, figure.STORAGE_COLUMNS)
     frame = figure.cost_frame(selection, storage)
     style.save(figure.draw(frame), frame, output)
-
-
-def _all_files(files: tuple[Path, ...], files_from: Path | None) -> list[Path]:
-    from ptl.errors import UserError
-    from ptl.files import expand_numbers
-
-    if files_from is None:
-        return expand_numbers(files)
-    try:
-        lines = files_from.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{files_from}: cannot be read as a list of files ({error}); check --files-from") from error
-    return [*expand_numbers(files), *(Path(line.strip()) for line in lines if line.strip())]
 
 
 def _named(pairs: tuple[str, ...], convert: Callable[[str], _Value]) -> dict[str, _Value]:

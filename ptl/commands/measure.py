@@ -11,7 +11,6 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 
 @click.command("measure")
 @click.argument("files", nargs=-1, type=FILE)
-@click.option("--files-from", type=FILE, help="Text file that names more learning files, one on each line.")
 @click.option("--output-per-seed", required=True, type=FILE, help="CSV of the measures of every seed.")
 @click.option("--output-steps", type=FILE, help="HDF5 of the steps per episode.")
 @click.option("--output-subgoals", type=FILE, help="CSV of the subgoals found.")
@@ -24,7 +23,6 @@ FILE = click.Path(dir_okay=False, path_type=Path)
 )
 def command(
     files: tuple[Path, ...],
-    files_from: Path | None,
     output_per_seed: Path,
     output_steps: Path | None,
     output_subgoals: Path | None,
@@ -41,20 +39,10 @@ def command(
     from ptl.progress import shown
     from ptl.verification import OneRun
 
-    paths = [*expand_numbers(files), *(_read_list(files_from) if files_from else [])]
+    paths = expand_numbers(files)
     measurements = measure_files(shown(paths, "Reading"), window, threshold_factor, admit=OneRun().admit)
     write_csv(measurements.per_seed, output_per_seed, sealed=True)
     if output_subgoals:
         write_csv(measurements.subgoals, output_subgoals, sealed=True)
     if output_steps:
         write_steps(output_steps, measurements)
-
-
-def _read_list(path: Path) -> list[Path]:
-    from ptl.errors import UserError
-
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read as a list of files ({error}); check --files-from") from error
-    return [Path(line.strip()) for line in lines if line.strip()]
