@@ -172,7 +172,7 @@ def local(tmp_path_factory) -> Project:
     return project
 
 
-def test_same_bytes_as_locally_and_many_seeds_in_one_job(cluster, local, start, tmp_path):
+def test_same_bytes_as_locally_and_many_seeds_in_one_job(cluster, local, start, tmp_path, record_property):
     project = small_project(tmp_path / "project")
     before = len(completed(cluster))
     finish(project, start(project, *TARGETS))
@@ -181,9 +181,10 @@ def test_same_bytes_as_locally_and_many_seeds_in_one_job(cluster, local, start, 
     # four learning jobs, two lives and two batches went into one Slurm job each
     text = (project.folder / "snakemake.out").read_text()
     assert 4 <= len(jobs) <= 7, (len(jobs), text[-3000:])
+    record_property("runs on Slurm, same bytes as here", 1)
 
 
-def test_node_lost_in_the_middle_costs_only_its_jobs(cluster, local, start, tmp_path):
+def test_node_lost_in_the_middle_costs_only_its_jobs(cluster, local, start, tmp_path, record_property):
     """The node goes down with jobs on it; results that were there stay, and the run ends as it should."""
     project = small_project(tmp_path / "project")
     host = socket.gethostname().partition(".")[0]
@@ -204,6 +205,7 @@ def test_node_lost_in_the_middle_costs_only_its_jobs(cluster, local, start, tmp_
     assert target in found and all(content == whole[name] for name, content in found.items())
     made_again = [path for path, made in times.items() if path.stat().st_mtime_ns != made]
     assert len(made_again) <= 2  # the jobs that were on the node's two cores
+    record_property("runs on Slurm that lost their node, same bytes in the end", 1)
 
 
 def node_state() -> str:
