@@ -24,7 +24,7 @@ def command() -> None:
 @command.command()
 @click.option("--map", "map_path", required=True, type=FILE, help="Map of the task that is learned.")
 @click.option("--task", "letter", required=True, help="Goal letter of the task.")
-@click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Rounds over all learners.")
+@click.option("--rounds", default=15, show_default=True, type=click.IntRange(1), help="Rounds over all learners.")
 @click.option("--jobs", default=5, show_default=True, type=click.IntRange(1), help="Learning jobs of each method.")
 @click.option("--method", "methods", multiple=True, required=True, help="Method whose jobs are timed; repeat.")
 @click.option(
