@@ -83,7 +83,8 @@ def learning_files(environments=ENVIRONMENTS, methods=METHODS):
 
 def numbered(pattern, count):
     """Result files with [] for a number, as one range: commands must not grow with the number of seeds."""
-    return f"results/{config['run']}/" + pattern.replace("[]", f"[0-{count - 1}]")
+    numbers = pattern.replace("[]", f"[0-{count - 1}]")
+    return f"results/{config['run']}/{numbers}"
 
 
 def numbered_learning_files(environments=ENVIRONMENTS, methods=METHODS):
