@@ -21,10 +21,12 @@ help:  ## Show this list.
 reproduce: build  ## Everything: all runs, tables, figures, verdicts and reports/published/report.html.
 	$(SNAKEMAKE) $(if $(wildcard results/published),,--forceall)
 	$(SNAKEMAKE) --report reports/published/report.html
+	@echo "Open reports/published/report.html and reports/published/explorer.html in a browser."
 
 smoke: build  ## The same DAG on a small configuration, in under two minutes.
 	$(SNAKEMAKE) --configfile config/smoke.yaml
 	$(SNAKEMAKE) --configfile config/smoke.yaml --report reports/smoke/report.html
+	@echo "Open reports/smoke/report.html and reports/smoke/explorer.html in a browser."
 
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
