@@ -66,7 +66,7 @@ def damages(folder: Path) -> list[str]:
     """
     manifest_path = folder / MANIFEST
     found = []
-    for name, digest in _read(manifest_path)["products"].items():
+    for name, digest in read(manifest_path)["products"].items():
         path = folder / name
         if not path.is_file():
             found.append(f"{path}: is missing; run '{rebuild_command(manifest_path)}' to make it")
@@ -78,7 +78,7 @@ def damages(folder: Path) -> list[str]:
 
 def differences(folder: Path, manifest_path: Path) -> list[str]:
     """How the products in ``folder`` differ from a manifest, one line each; measured times are left out."""
-    manifest = _read(manifest_path)
+    manifest = read(manifest_path)
     found = []
     for name, digest in manifest["products"].items():
         if Path(name).stem in TIMED:
@@ -93,8 +93,14 @@ def differences(folder: Path, manifest_path: Path) -> list[str]:
     return found
 
 
-def _read(manifest_path: Path) -> dict[str, Any]:
-    """A manifest that is whole."""
+def read(manifest_path: Path) -> dict[str, Any]:
+    """A manifest, after its own checksum has been checked.
+
+    Raises
+    ------
+    UserError
+        If it is missing, damaged or something else; the line ends with the command that makes it again.
+    """
     try:
         manifest = json.loads(manifest_path.read_text(encoding="utf-8"))
         intact = manifest["content"] == _content(manifest) and {"products", "untimed"} <= set(manifest)

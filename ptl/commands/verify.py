@@ -27,7 +27,7 @@ def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> No
     Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
     """
     from ptl.errors import UserError
-    from ptl.manifest import differences
+    from ptl.manifest import MANIFEST, differences, read
     from ptl.progress import shown
     from ptl.verification import checkable, faults_of
 
@@ -50,3 +50,6 @@ def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> No
     if found:
         raise UserError(f"faults found: {len(found)}, in {len(files)} files checked")
     click.echo(f"{len(files)} files are whole, in place and consistent")
+    for path in files:
+        if path.name == MANIFEST:
+            click.echo(f"{len(read(path)['products'])} products are those of {path}")

@@ -295,7 +295,8 @@ rule draw_library_cost:
 rule figures:
     input:
         expand(
-            "<reports>/figures/{figure}.png",
+            "<reports>/figures/{figure}.{format}",
+            format=["png", "svg", "csv"],
             figure=[
                 "figure03",
                 *(["figure04"] if "ptl" in METHODS else []),

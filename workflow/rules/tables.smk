@@ -57,6 +57,8 @@ rule tabulate:
 
 rule tables:
     input:
+        rules.measure.output.per_seed,
+        rules.measure.output.subgoals,
         rules.tabulate.output,
         rules.collect_growth.output,
         rules.library_cost.output,
