@@ -29,7 +29,7 @@ def check(config: Mapping[str, Any], schema_path: str | Path) -> None:
     UserError
         One line that names the key, what is wrong with it and what is allowed.
     """
-    _refuse_non_finite(config, "")
+    _refuse_what_is_no_json(config, "")
     error = best_match(_validator(Path(schema_path)).iter_errors(config))
     if error is not None:
         raise UserError(_in_one_line(error))
@@ -128,11 +128,19 @@ def _whole_pattern(_: Any, pattern: str, instance: Any, __: Any) -> Iterator[Val
         yield ValidationError(f"{instance!r} does not match {pattern!r}")
 
 
-def _refuse_non_finite(entry: Any, key: str) -> None:
-    """JSON schema lets NaN pass every range, because no comparison with it fails."""
+def _refuse_what_is_no_json(entry: Any, key: str) -> None:
+    """JSON schema knows neither: NaN passes every range, and keys that are no text cannot be told apart."""
     if isinstance(entry, Mapping):
         for name, value in entry.items():
-            _refuse_non_finite(value, f"{key}.{name}" if key else str(name))
+            if not isinstance(name, str):
+                where = f"configuration key {key or '(top level)'}"
+                raise UserError(
+                    f"{where}: {_shortened(repr(name), 60)} is not allowed as a key; give a word, or quote it"
+                )
+            _refuse_what_is_no_json(value, f"{key}.{name}" if key else name)
+    elif isinstance(entry, list):
+        for value in entry:
+            _refuse_what_is_no_json(value, key)
     elif isinstance(entry, float) and not math.isfinite(entry):
         raise UserError(f"configuration key {key}: {entry} is not allowed; give a finite number")
 

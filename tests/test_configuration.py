@@ -44,6 +44,16 @@ def test_published_and_smoke_configurations_pass():
     check(merged, SCHEMA)
 
 
+def test_keys_that_are_no_text_are_refused_beside_other_faults():
+    """YAML reads `0:` as a number, and errors at such keys cannot be sorted."""
+    config = changed("environments.env1.map", None)
+    config["environments"][0] = None
+    with pytest.raises(UserError, match=r"configuration key environments: 0 is not allowed as a key; give a word"):
+        check(config, SCHEMA)
+    with pytest.raises(UserError, match=r"\(top level\): 7 is not allowed as a key"):
+        check({**PUBLISHED, 7: 1}, SCHEMA)
+
+
 @pytest.mark.parametrize(
     ("path", "value", "says"),
     [

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+import os
 import random
 import re
 import resource
@@ -130,7 +131,13 @@ ANYTHING = st.recursive(
     max_leaves=6,
 )  # fmt: skip
 PATHS = st.sampled_from([path for path, _ in KEYS])
-QUICK = settings(max_examples=300, deadline=None, suppress_health_check=list(HealthCheck))
+QUICK = settings(
+    max_examples=300,
+    deadline=None,
+    derandomize="FUZZ_FREELY" not in os.environ,
+    suppress_health_check=list(HealthCheck),
+)
+"""The same examples every time; set FUZZ_FREELY to try others."""
 THOROUGH = settings(QUICK, max_examples=10_000)
 
 
