@@ -22,8 +22,6 @@ LEARNING, GROWTH, FREQUENCIES = "ptl-learning/1", "ptl-growth/1", "ptl-frequenci
 
 KINDS = (LEARNING, GROWTH, FREQUENCIES)
 
-_TASK_ATTRIBUTES = {"start": int, "goal": int, "subgoal": int, "reason": str, "novelty": float, "diameter": int}
-
 
 # -- writing ----------------------------------------------------------------------------------------------------------
 
@@ -93,22 +91,19 @@ def _write_library(group: h5py.Group, library: SkillLibrary, n_states: int) -> N
 
 
 class TaskView:
-    """One task of a learning file; numbers and arrays are read when asked for."""
-
-    start: int
-    goal: int
-    subgoal: int
-    reason: str
-    novelty: float
-    diameter: int
+    """One task of a learning file; arrays are read when asked for, while the file is open."""
 
     def __init__(self, name: str, group: h5py.Group) -> None:
         self.name = name
         self._group = group
+        self.start = int(group.attrs["start"])
+        self.goal = int(group.attrs["goal"])
+        self.subgoal = int(group.attrs["subgoal"])
+        self.reason = str(group.attrs["reason"])
+        self.novelty = float(group.attrs["novelty"])
+        self.diameter = int(group.attrs["diameter"])
 
-    def __getattr__(self, name: str) -> Any:
-        if name in _TASK_ATTRIBUTES:
-            return _TASK_ATTRIBUTES[name](self._group.attrs[name])
+    def __getattr__(self, name: str) -> np.ndarray:
         if name.startswith("_") or name not in self._group:
             raise AttributeError(f"task {self.name} holds no {name!r}")
         return self._group[name][()]

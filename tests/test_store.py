@@ -86,6 +86,13 @@ def test_growth_file(tmp_path):
         pass
 
 
+def test_numbers_of_a_task_stay_after_the_file_is_closed(learned):
+    with open_learning(learned) as file:
+        view = file.tasks["A"]
+    assert view.goal == ROOMS.goal("A") and view.reason
+    assert isinstance(view.novelty, float) and isinstance(view.diameter, int)
+
+
 def rewrite(path: Path, change) -> None:
     """Change a file and make its checksum right again, so that only the invariants can tell."""
     with h5py.File(path, "r+") as file:

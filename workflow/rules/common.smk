@@ -141,6 +141,13 @@ DISCOVERY_FIGURES = {
 }
 
 
+def item_label(figure):
+    """What the report calls a figure: its number in the article, or its kind for an environment of one's own."""
+    if figure.startswith("figure"):
+        return figure.replace("figure", "Figure ")
+    return figure.partition("_")[0].capitalize()
+
+
 def map_titles():
     """The environments' titles as quoted options of the drawing commands."""
     return " ".join(

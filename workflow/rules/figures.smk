@@ -90,7 +90,7 @@ rule draw_map:
             caption="../report/figure.rst",
             category="2 Figures",
             labels=lambda wildcards: {
-                "item": wildcards.figure.replace("figure", "Figure "),
+                "item": item_label(wildcards.figure),
                 "shows": f"map of {title_of(MAP_FIGURES[wildcards.figure])}",
             },
         ),
@@ -143,7 +143,7 @@ rule draw_discovery:
             caption="../report/figure.rst",
             category="2 Figures",
             labels=lambda wildcards: {
-                "item": wildcards.figure.replace("figure", "Figure "),
+                "item": item_label(wildcards.figure),
                 "shows": f"subgoal discovery in {title_of(DISCOVERY_FIGURES[wildcards.figure])}",
             },
         ),
