@@ -6,13 +6,13 @@ RUN_TOOLS = .venv/.run-tools
 TEST_TOOLS = .venv/.test-tools
 BENCHMARK_TOOLS = .venv/.benchmark-tools
 SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
-SOURCES = setup.py pyproject.toml $(wildcard ptl/*.pyx ptl/*.pxd)
+SOURCES = setup.py pyproject.toml $(wildcard ptl/*/*.pyx ptl/*/*.pxd)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness benchmark reliability test test-slow test-browser test-slurm test-all lint format build clean lock
+.PHONY: help reproduce smoke report robustness benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -34,7 +34,7 @@ report: build  ## The page reports/published/report.html from what is there.
 robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
 	$(SNAKEMAKE) robustness
 
-benchmark: $(BENCHMARK_TOOLS) build  ## Speed and growth of cost on this machine: reports/published/benchmark.md.
+benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md.
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
 reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
@@ -59,12 +59,17 @@ lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
 	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/lint-imports
 	.venv/bin/snakemake --lint
 
 format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
 	.venv/bin/snakefmt Snakefile workflow
+
+docs: build  ## Bring config/README.md and README.md up to date with the code and the published run.
+	.venv/bin/ptl config-docs
+	.venv/bin/ptl readme
 
 build: .venv/.built  ## Install the package into .venv and compile its kernel.
 
@@ -88,8 +93,7 @@ $(TEST_TOOLS): requirements-test.lock $(RUN_TOOLS)
 	@touch $@
 
 $(BENCHMARK_TOOLS): requirements-benchmark.lock $(RUN_TOOLS)
-	.venv/bin/python -m pip install --quiet --no-deps --no-build-isolation --require-hashes \
-	  --requirement requirements-benchmark.lock
+	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements-benchmark.lock
 	@touch $@
 
 clean:  ## Remove results and workflow state (published products and .venv stay).
@@ -101,6 +105,6 @@ lock: $(TEST_TOOLS)  ## Resolve the locked requirements anew (needs uv).
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate pyproject.toml requirements-build.in --extra test --extra slurm \
 	  -c requirements.lock -o requirements-test.lock
-	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes --no-deps \
+	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate requirements-benchmark.in -c requirements.lock \
 	  -o requirements-benchmark.lock

@@ -4,7 +4,7 @@
 #
 # `snakemake -j2` makes everything; the rules with a short name below make one stage.
 
-from snakemake.utils import min_version, validate
+from snakemake.utils import min_version
 
 min_version("9.27")
 
@@ -37,6 +37,8 @@ localrules:
     claims,
     explorer,
     fernandez_veloso,
+    fernandez_veloso_learning,
+    misleading_prior_learning,
     robustness,
     benchmark,
 
@@ -49,12 +51,12 @@ rule all:
         rules.learning.input,
         rules.growth.input,
         rules.subgoal_frequencies.input,
-        rules.report_fv.input,
-        rules.draw_misleading_prior.input if "ptl" in METHODS else [],
+        rules.fernandez_veloso_learning.input,
+        rules.misleading_prior_learning.input,
         rules.tables.input,
         rules.figures.input,
         rules.claims.input,
-        rules.report_fv.output,
+        rules.policy_reuse_table.output,
         rules.explorer.input,
         rules.front_page.output,
         rules.manifest.output,

@@ -9,11 +9,11 @@ from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
 from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformError
 
-# Sources of each extension, the .pyx first. ptl/provenance.py compares the digest with the sources that lie there.
+# Sources of each extension, the .pyx first; ptl/files/provenance.py compares their digest with what lies there.
 SOURCES = {
-    "ptl._kernel": ["ptl/_kernel.pyx", "ptl/_kernel.pxd"],
-    "ptl._graph": ["ptl/_graph.pyx"],
-    "ptl._survey": ["ptl/_survey.pyx", "ptl/_kernel.pyx", "ptl/_kernel.pxd"],
+    "ptl.agent._kernel": ["ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
+    "ptl.world._graph": ["ptl/world/_graph.pyx"],
+    "ptl.learning._survey": ["ptl/learning/_survey.pyx", "ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
 }
 
 

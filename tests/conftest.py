@@ -1,17 +1,15 @@
-"""Fixtures shared by all tests: the three published maps."""
+"""Fixtures shared by all tests: the three published maps, a tiny run and a browser."""
 
 from __future__ import annotations
 
 import shutil
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
+from projects import MAPS, Project
 
-from ptl.gridworld import GridWorld, load_map
-
-MAPS = Path(__file__).resolve().parent.parent / "config" / "environments"
+from ptl.world.gridworld import GridWorld, load_map
 
 
 @pytest.fixture(scope="session")
@@ -36,6 +34,14 @@ def env3() -> GridWorld:
 def published_maps(env1: GridWorld, env2: GridWorld, env3: GridWorld) -> dict[str, GridWorld]:
     """The three environments by name."""
     return {"env1": env1, "env2": env2, "env3": env3}
+
+
+@pytest.fixture(scope="session")
+def tiny(tmp_path_factory: pytest.TempPathFactory) -> Project:
+    """A copy of the checkout in which everything has been made; a test that changes it puts it back."""
+    project = Project(tmp_path_factory.mktemp("tiny"))
+    project.make()
+    return project
 
 
 CHROMIUM_FLAGS = (

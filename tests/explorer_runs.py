@@ -6,10 +6,10 @@ from pathlib import Path
 
 from mazes import chain_of_rooms
 
-from ptl.gridworld import GridWorld
-from ptl.learning import Life, learn_life, tasks_of
-from ptl.parameters import Parameters
-from ptl.store import write_learning
+from ptl.config import Parameters
+from ptl.files.results import write_learning
+from ptl.learning.life import Life, learn_life, tasks_of
+from ptl.world.gridworld import GridWorld
 
 METHODS = ("no_transfer", "full_transfer", "policy_reuse", "ptl", "ptl_supervised")
 SEEDS = (3, 8)
@@ -18,6 +18,7 @@ MAPS = {
     "chain": chain_of_rooms(5, size=5, goals="ABC"),
     "flat": "########\n#I.#..A#\n#..#...#\n#......#\n#..#####\n#.....B#\n########\n",
 }
+TASKS = {"chain": "CAB", "flat": "AB"}
 TITLES = {"chain": "Chain of rooms", "flat": "Flat </script><b>&amp;"}
 
 
@@ -34,7 +35,7 @@ def origin(environment: str, method: str, seed: int, parameters: Parameters = PA
 
 def learn(environment: str, method: str, seed: int, parameters: Parameters = PARAMETERS) -> tuple[Life, GridWorld]:
     world = GridWorld.from_text(MAPS[environment], environment)
-    tasks = tasks_of(world, "".join(world.goals))
+    tasks = tasks_of(world, TASKS[environment])
     return learn_life(world, tasks, method, parameters, 5, environment, seed), world
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
-from ptl.mazes import GOALS, chain_of_rooms, framed, open_grid, random_rooms, to_text
+from ptl.world.mazes import GOALS, chain_of_rooms, framed, open_grid, random_rooms, to_text
 
 __all__ = ["chain_of_rooms", "framed", "maps", "open_grid", "random_rooms", "to_text"]
 

@@ -13,17 +13,30 @@ import subprocess
 import sys
 import tempfile
 import xml.etree.ElementTree as ElementTree
+from contextlib import chdir
+from functools import cache
 from pathlib import Path
 
 import yaml
+from projects import ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
+from ptl.config import Configuration
+from ptl.files.configuration import completed, read_yaml
+from ptl.text import number
+
 PAGE = ROOT / "docs/reliability.md"
 BEGIN, END = "<!-- figures: python tests/reliability.py -->\n", "<!-- end of figures -->"
 
-TESTS = ("test_faults.py", "test_fuzz.py", "test_equal_everywhere.py")
+TESTS = ("test_faults.py", "test_manifest.py", "test_fuzz.py", "test_equal_everywhere.py")
 SEEDS = 10_000
 """Seeds of the estimate."""
+
+
+@cache
+def published() -> Configuration:
+    """The published configuration."""
+    with chdir(ROOT):
+        return completed(read_yaml("config/config.yaml"))
 
 
 def run_tests(folder: Path, slurm: bool) -> list[tuple[str, str]]:
@@ -36,7 +49,7 @@ def run_tests(folder: Path, slurm: bool) -> list[tuple[str, str]]:
         results = folder / f"{marker}.xml"
         subprocess.run(
             [sys.executable, "-m", "pytest", "-q", "-m", marker, f"--junitxml={results}",
-             *(str(ROOT / "tests" / name) for name in names)],
+             *(str(path) for name in names for path in (ROOT / "tests").rglob(name))],
             cwd=ROOT, check=True,
         )  # fmt: skip
         suite = ElementTree.parse(results).getroot()
@@ -49,20 +62,19 @@ def run_tests(folder: Path, slurm: bool) -> list[tuple[str, str]]:
                 counted[name] = counted.get(name, 0) + int(value)
             else:
                 said.append((name, value))
-    rows = [(name, spaced(count)) for name, count in counted.items()]
+    rows = [(name, number(count)) for name, count in counted.items()]
     return [*rows, *said, ("tests passed, none failed", str(passed))]
 
 
 def measure_jobs(folder: Path) -> list[tuple[str, str, float, float, float]]:
     """Environment, method, CPU seconds, MB of memory and kB of file of one learning job each, as published."""
-    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     rows = []
-    for environment, entry in config["environments"].items():
-        for method in config["methods"]:
+    for environment, entry in published().environments.items():
+        for method in published().methods:
             output = folder / f"{environment}_{method}.h5"
             process = subprocess.Popen(
-                [sys.executable, "-m", "ptl", "learn", "--map", entry["map"], "--environment", environment, "--tasks",
-                 entry["tasks"], "--method", method, "--seed", "0", "--root-seed", str(config["root_seed"]),
+                [sys.executable, "-m", "ptl", "learn", "--map", entry.map, "--environment", environment, "--tasks",
+                 entry.tasks, "--method", method, "--seed", "0", "--root-seed", str(published().root_seed),
                  "--output", output],
                 cwd=ROOT, env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
             )  # fmt: skip
@@ -78,26 +90,22 @@ def estimate(rows: list[tuple[str, str, float, float, float]]) -> list[tuple[str
     """What a run with `SEEDS` seeds takes, from one job of each kind."""
     profile = yaml.safe_load((ROOT / "profiles/slurm/profile.yaml").read_text(encoding="utf-8"))
     per_group = int(dict(entry.split("=") for entry in profile["group-components"])["learning"])
-    config = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    config = published()
     jobs = SEEDS * len(rows)
     hours = SEEDS * sum(row[2] for row in rows) / 3600
-    tasks = sum(len(entry["tasks"]) for entry in config["environments"].values()) * len(config["methods"])
+    tasks = sum(len(entry.tasks) for entry in config.environments.values()) * len(config.methods)
     return [
-        ("learning jobs, and files", spaced(jobs)),
-        (f"Slurm jobs, {per_group} of them in each", spaced(-(-jobs // per_group))),
+        ("learning jobs, and files", number(jobs)),
+        (f"Slurm jobs, {per_group} of them in each", number(-(-jobs // per_group))),
         ("CPU hours of learning", f"{hours:.0f}"),
         ("the same on 200 cores, hours", f"{hours / 200:.1f}"),
         ("memory of a learning job at most, MB", f"{max(row[3] for row in rows):.0f}"),
         ("files of learning, GB", f"{SEEDS * sum(row[4] for row in rows) / 1e6:.0f}"),
         (
             "steps per episode that measuring holds in memory, GB",
-            f"{SEEDS * tasks * config['learning']['episodes'] * 8 / 1e9:.1f}",
+            f"{SEEDS * tasks * config.learning.episodes * 8 / 1e9:.1f}",
         ),
     ]
-
-
-def spaced(number: int) -> str:
-    return f"{number:,}".replace(",", " ")
 
 
 def table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
@@ -124,7 +132,7 @@ def main() -> None:
             ("environment", "method", "CPU s", "memory, MB", "file, kB"),
             [(a, b, f"{seconds:.2f}", f"{memory:.0f}", f"{size:.0f}") for a, b, seconds, memory, size in rows],
         )
-        + f"\nFrom these, a run with {spaced(SEEDS)} seeds (estimated, not run):\n\n"
+        + f"\nFrom these, a run with {number(SEEDS)} seeds (estimated, not run):\n\n"
         + table(("item", "estimate"), estimate(rows))
         + "\n"
     )

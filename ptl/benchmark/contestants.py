@@ -1,8 +1,7 @@
 """Learners that are timed against each other on the same task under the same law.
 
 All of them do tabular one-step Q-learning with the same alpha, gamma and epsilon, uniform ties and no step limit, on
-the transition table of the same map. They differ in who does the work. Each contestant is a class; an instance learns
-one task, and `run` is the only part that is timed.
+the same map. Each contestant is a class; an instance learns one task, and only `run` is timed.
 """
 
 from __future__ import annotations
@@ -13,8 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ptl._kernel import Dynamics, Learner
-from ptl.benchmark.reference import ReferenceLearner
+from ptl.agent._kernel import Dynamics, Learner
 from ptl.benchmark.task import Task
 from ptl.errors import UserError
 
@@ -26,13 +24,13 @@ def check_installed() -> None:
     ------
     UserError
     """
-    for module in ("gymnasium", "mushroom_rl"):
+    for module in ("gymnasium", "numba"):
         if find_spec(module) is None:
             raise UserError(f"{module} is not installed; run 'make benchmark', which installs it first")
 
 
 class Contestant(Protocol):
-    """What is timed: ``run`` learns some episodes from the start to the goal and returns their primitive steps."""
+    """A learner: ``run`` learns some episodes from the start to the goal and returns their primitive steps."""
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None: ...
 
@@ -87,14 +85,13 @@ class KernelEveryStep(Kernel):
 
 
 class PlainLoop:
-    """Plain Python at its fastest: one loop over lists, no calls but those of the standard library."""
+    """Plain Python: one loop over lists, no calls but those of the standard library."""
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
         self._task = task
         self._successors: list[list[int]] = task.successors.tolist()  # type: ignore[assignment]
         self._random = random.Random(seed)
-        values = np.zeros(task.successors.shape) if initial_q is None else initial_q
-        self._q: list[list[float]] = values.tolist()  # type: ignore[assignment]
+        self._q: list[list[float]] = task.initial_q(initial_q).tolist()  # type: ignore[assignment]
 
     def run(self, episodes: int) -> int:
         """Learn; return the number of steps taken."""
@@ -127,48 +124,16 @@ class PlainLoop:
         return np.array(self._q)
 
 
-class PlainReference:
-    """The tests' reference in plain Python, which gives the same bits as the kernel that simulates every step."""
-
-    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
-        self._start = task.start
-        self._learner = ReferenceLearner(
-            task.successors,
-            task.goal,
-            np.random.SFC64(seed),
-            alpha=task.alpha,
-            gamma=task.gamma,
-            epsilon=task.epsilon,
-            max_steps=10**12,
-            initial_q=initial_q,
-            shortcut=False,
-        )
-
-    def run(self, episodes: int) -> int:
-        """Learn; return the number of steps taken."""
-        steps = 0
-        for _ in range(episodes):
-            self._learner.begin_episode(self._start)
-            self._learner.explore()
-            steps += self._learner.steps
-        return steps
-
-    @property
-    def q(self) -> np.ndarray:
-        """Action values, float array (n_states, 4)."""
-        return self._learner.q
-
-
 class GymnasiumLoop:
     """The usual tutorial: a Gymnasium environment, a numpy Q-table and a numpy Generator."""
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
-        from ptl.benchmark.gymnasium_world import GymnasiumWorld
+        from ptl.world.gymnasium_env import GridWorldEnv
 
-        self._world = GymnasiumWorld(task.successors, task.start, task.goal)
+        self._world = GridWorldEnv(task.world, task.letter)
         self._task = task
         self._random = np.random.default_rng(seed)
-        self._q = np.zeros(task.successors.shape) if initial_q is None else initial_q.copy()
+        self._q = task.initial_q(initial_q)
 
     def run(self, episodes: int) -> int:
         """Learn; return the number of steps taken."""
@@ -182,7 +147,7 @@ class GymnasiumLoop:
                     action = int(generator.integers(4))
                 else:
                     action = int(generator.choice(np.flatnonzero(q[state] == q[state].max())))
-                after, reward, ended, _, _ = world.step(action)
+                after, reward, ended, _, _ = world.step(np.int64(action))
                 target = reward if ended else reward + task.gamma * q[after].max()
                 q[state, action] += task.alpha * (target - q[state, action])
                 state = after
@@ -195,28 +160,24 @@ class GymnasiumLoop:
         return self._q
 
 
-class MushroomRL:
-    """mushroom-rl's own Q-learning, policy and training loop."""
+class NumbaLoop:
+    """One loop over arrays, compiled by Numba."""
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
-        from ptl.benchmark.mushroom import make_core
+        from ptl.benchmark import numba_loop
 
-        self._core = make_core(task, initial_q)
-        np.random.seed(seed)  # noqa: NPY002  mushroom-rl draws from numpy's global generator
+        self._learn = numba_loop.learn
+        self._task = task
+        generator = np.random.default_rng(seed)
+        self._arguments = (task.start, task.goal, task.alpha, task.gamma, task.epsilon, generator)
+        self._q = task.initial_q(initial_q)
+        self.run(0)  # compiles the loop
 
     def run(self, episodes: int) -> int:
         """Learn; return the number of steps taken."""
-        steps = 0
-
-        def count(_: object) -> None:
-            nonlocal steps
-            steps += 1
-
-        self._core.callback_step = count
-        self._core.learn(n_episodes=episodes, n_steps_per_fit=1, quiet=True)
-        return steps
+        return self._learn(self._task.successors, self._q, *self._arguments, episodes)
 
     @property
     def q(self) -> np.ndarray:
         """Action values, float array (n_states, 4)."""
-        return self._core.agent.Q.table
+        return self._q

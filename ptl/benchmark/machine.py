@@ -1,4 +1,4 @@
-"""The machine of a measurement, so that numbers are not quoted without it. Neither its name nor its user."""
+"""The machine on which a measurement was made, without its name and its user."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "mushroom-rl")
+PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "numba")
 
 
 def describe() -> dict[str, str]:
-    """Processor, cores, memory, system, Python, the packages that matter, and how busy the machine is."""
+    """Describe processor, cores, memory, system, Python, packages and load."""
     return {
         "processor": processor(),
         "cores": str(os.cpu_count()),
@@ -25,7 +25,7 @@ def describe() -> dict[str, str]:
 
 
 def processor() -> str:
-    """Model of the processor."""
+    """Return the model of the processor."""
     if sys.platform == "linux":
         for line in Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
             if line.startswith("model name"):
@@ -34,7 +34,7 @@ def processor() -> str:
 
 
 def versions() -> dict[str, str]:
-    """Versions of the packages that are installed among `PACKAGES`."""
+    """Return the version of each package in `PACKAGES`, or ``not installed``."""
     found = {}
     for name in PACKAGES:
         try:

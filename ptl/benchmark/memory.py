@@ -1,4 +1,4 @@
-"""How much memory this process has had."""
+"""Peak memory of a process."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def peak_mebibytes() -> float:
-    """Most memory that this process has had in RAM so far, in MiB.
+    """Return the peak resident memory of this process in MiB.
 
     On Linux from VmHWM: the maximum of ``getrusage`` is inherited from the process that started this one.
     """

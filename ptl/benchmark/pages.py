@@ -2,27 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
-import numpy as np
 import pandas as pd
 
-from ptl.benchmark.speed import BASE, EPISODES
+from ptl.benchmark.speed import BASE, ENTRIES, EPISODES, SAMPLED_EVERY
 from ptl.benchmark.startup import PHASES
+from ptl.config import Parameters
 from ptl.methods import load
-from ptl.pages import Page
-from ptl.parameters import Parameters
+from ptl.report.table import Table, text_table, to_markdown
+from ptl.report.templating import render
+from ptl.text import MISSING, estimate, number, percent
 
 CSV_COLUMNS = ["part", "item", "quantity", "value", "low", "high", "repeats"]
 
+SIZES = {
+    "states": "states of the map",
+    "diameter": "states of the map",
+    "library": "skills in the library",
+    "tasks": "tasks learned",
+}
+"""Size along which each part of the growth is measured."""
+
+WHOLE = ("states", "count", "bytes")
+"""Units of whole numbers."""
+
+UNITS_OF_TIME = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
+
 
 def benchmark_csv(
-    machine: Mapping[str, str], speed: pd.DataFrame, startup: pd.DataFrame, run: pd.DataFrame | None
+    machine: Mapping[str, str], speed: pd.DataFrame, startup: pd.DataFrame, run: pd.DataFrame
 ) -> pd.DataFrame:
-    """All numbers of the benchmark as one tidy table; the machine's rows have words for a quantity."""
+    """Return all numbers of the benchmark, columns `CSV_COLUMNS`; rows of the machine have words for a quantity."""
     words = pd.DataFrame([{"item": name, "quantity": text} for name, text in machine.items()])
     parts = {"machine": words, "speed": speed, "start-up": startup, "run": run}
-    frames = [frame.assign(part=part) for part, frame in parts.items() if frame is not None]
+    frames = [frame.assign(part=part) for part, frame in parts.items()]
     return pd.concat([frame.reindex(columns=CSV_COLUMNS) for frame in frames], ignore_index=True)
 
 
@@ -30,211 +44,147 @@ def benchmark_markdown(
     machine: Mapping[str, str],
     speed: pd.DataFrame,
     startup: pd.DataFrame,
-    run: pd.DataFrame | None,
+    run: pd.DataFrame,
     *,
     place: str,
     letter: str,
-    log: str = "",
 ) -> str:
-    """The benchmark as one Markdown page.
+    """Render the benchmark as one Markdown page.
 
     Parameters
     ----------
     place, letter : str
         Map and goal letter of the task that was learned; the jobs learned all tasks of the map.
-    log : str
-        Which run was taken apart.
     """
-    lines = ["# Benchmark", "", "Measured on this machine, all in one run:", ""]
-    lines += [f"* {name}: {text}" for name, text in machine.items()]
-    pages = [speed_page(speed, place, letter), startup_page(startup, place)]
-    sections = ["\n".join(lines) + "\n", *(page.to_markdown() for page in pages)]
-    if run is None:
-        sections.append(
-            "**Where a whole run spends its time**\n\nNo log of a whole run was found: make one with"
-            " `snakemake -j2 --forceall` and measure again.\n"
-        )
-    else:
-        sections.append(run_page(run, log).to_markdown())
-    return "\n".join(sections)
+    tables = [speed_table(speed, place, letter), startup_table(startup, place), run_table(run)]
+    return _markdown("Benchmark", machine, tables)
 
 
-def speed_page(summary: pd.DataFrame, place: str, letter: str) -> Page:
-    """Rates and ratios of all contestants."""
+def scaling_markdown(machine: Mapping[str, str], frame: pd.DataFrame) -> str:
+    """Render the growth of the cost as one Markdown page."""
+    return _markdown("Growth of the cost", machine, [exponents_table(frame), large_table(frame)])
+
+
+def _markdown(title: str, machine: Mapping[str, str], tables: Sequence[Table]) -> str:
+    return render("measurements.md", title=title, machine=machine, sections=list(map(to_markdown, tables)))
+
+
+def speed_table(summary: pd.DataFrame, place: str, letter: str) -> Table:
+    """Lay out rates and ratios of all learners."""
     rows = []
     for item, group in summary.groupby("item", sort=False):
-        rate, ratio = (group[group["quantity"] == q].iloc[0] for q in group["quantity"].unique())
-        rows.append(
-            [
-                str(item),
-                _steps(rate["value"]),
-                f"{_steps(rate['low'])} to {_steps(rate['high'])}",
-                _significant(ratio["value"]),
-                f"{_significant(ratio['low'])} to {_significant(ratio['high'])}",
-            ]
-        )
-    return Page(
-        title="Steps with Q-update per CPU second",
-        intro=f"Q-learning of {place}, task {letter}, from scratch: {EPISODES} episodes, same α, γ, ε and law for all.",
-        columns=["learner", "million steps/s", "rate, least to greatest", "ratio", "ratio, least to greatest"],
-        rows=rows,
-        notes=(
+        rate, ratio = group.to_dict("records")
+        thousands = {name: rate[name] / 1000 for name in ("value", "low", "high")}
+        rows.append([str(item), *_with_range(thousands), *_with_range(ratio)])
+    sampled = ", ".join(entry.label for entry in ENTRIES if entry.workload == "sampled")
+    return text_table(
+        "Steps with Q-update per CPU second",
+        f"Q-learning of {place}, task {letter}, from scratch: {EPISODES} episodes, same α, γ, ε and law for all.",
+        ("learner", "thousand steps/s", "rate, least to greatest", "ratio", "ratio, least to greatest"),
+        rows,
+        (
             f"Median of {int(summary['repeats'].min())} rounds; in each round all learners run one after another,"
             f" and a ratio compares a round with itself. One core. The ratio is to “{BASE}”.",
-            "Gymnasium and mushroom-rl run every twentieth episode of the task, begun with the Q that the kernel"
-            " has there; the whole task would take them minutes.",
-            "While Q is zero: α = 0, so that every episode follows the law of the first one. The shortcut works"
+            f"One episode in {SAMPLED_EVERY} of the task, begun with the Q that the kernel has there, because the whole"
+            f" task would take minutes: {sampled}.",
+            "While Q is zero: α = 0, so that every episode follows the law of the first one. The shortcut applies"
             " where Q has been zero all around; its steps follow the same law, but two of them cost one look-up.",
-            "The tests' reference draws the same random numbers as the kernel and gives the same Q bit for bit;"
-            " it is written to be read.",
         ),
     )
 
 
-def startup_page(summary: pd.DataFrame, place: str) -> Page:
-    """Phases of a learning job of every method."""
+def startup_table(summary: pd.DataFrame, place: str) -> Table:
+    """Lay out the phases of a learning job of every method."""
     rows = []
     for method, group in summary.groupby("item", sort=False):
         values = group.set_index("quantity")
-        cells = [f"{1000 * values.loc[f'CPU seconds, {phase}', 'value']:.0f}" for phase in PHASES]
-        whole = values.loc["CPU seconds, all"]
-        cells.append(f"{whole['value']:.2f} ({whole['low']:.2f} to {whole['high']:.2f})")
-        rows.append([load(str(method)).label, *cells, f"{values.loc['peak MiB', 'value']:.0f}"])
-    return Page(
-        title="One learning job, from the start of Python to its end",
-        intro=f"All tasks of {place}, {Parameters().learning.episodes} episodes each; CPU time (user, system) in ms.",
-        columns=["method", *PHASES, "all, in seconds", "peak memory, MiB"],
-        rows=rows,
-        notes=(
-            f"Median of {int(summary['repeats'].min())} jobs, each a process of its own; in brackets the least and the"
-            " greatest.",
-        ),
+        phases = [number(1000 * values.loc[f"CPU seconds, {phase}", "value"]) for phase in PHASES]
+        whole = _with_range(values.loc["CPU seconds, all"])
+        rows.append([load(str(method)).label, *phases, *whole, number(values.loc["peak MiB", "value"])])
+    return text_table(
+        "One learning job, from the start of Python to its end",
+        f"All tasks of {place}, {Parameters().learning.episodes} episodes each; CPU time (user, system) in ms.",
+        ("method", *PHASES, "all, in seconds", "all, least to greatest", "peak memory, MiB"),
+        rows,
+        (f"Median of {int(summary['repeats'].min())} jobs, each a process of its own.",),
     )
 
 
-def run_page(summary: pd.DataFrame, log: str) -> Page:
-    """Rules of a whole run by the time they took."""
+def run_table(summary: pd.DataFrame) -> Table:
+    """Lay out the rules of a whole run by the time they took."""
     whole = summary[summary["item"] == "whole run"].set_index("quantity")["value"]
     rules = summary[summary["item"] != "whole run"].pivot(index="item", columns="quantity", values="value")
     rules = rules.sort_values("wall seconds of all jobs", ascending=False, kind="stable")
     rows = []
     for rule, values in rules.iterrows():
         jobs, seconds = values["jobs"], values["wall seconds of all jobs"]
-        share = f"{100 * values['share of core time']:.1f} %"
-        rows.append([str(rule), f"{jobs:.0f}", f"{seconds:.0f}", f"{seconds / jobs:.2f}", share])
-    rows.append(
-        [
-            "no job: reading the workflow, planning, waiting, writing down",
-            "",
-            "",
-            "",
-            f"{100 * whole['share of core time without a job']:.1f} %",
-        ]
-    )
-    return Page(
-        title="Where a whole run spends its time",
-        intro=f"{log}: {whole['wall seconds']:.0f} s on {whole['cores']:.0f} cores, of which"
-        f" {whole['wall seconds before the first job']:.0f} s passed before the first job.",
-        columns=["rule", "jobs", "wall seconds, all jobs", "a job", "share of core time"],
-        rows=rows,
-        notes=(
-            "From Snakemake's own log, whose clock has whole seconds: sums over many jobs are right on average, a"
-            " single short job is not. A job that ends while Snakemake is busy counts as running until it is noticed.",
-        ),
+        share = percent(values["share of core time"])
+        rows.append((str(rule), number(int(jobs)), number(seconds), number(seconds / jobs), share))
+    idle = whole.pop("share of core time without a job")
+    rows.append(("no job: planning, waiting, bookkeeping", MISSING, MISSING, MISSING, percent(idle)))
+    return text_table(
+        "Time of a whole run",
+        "A run made for this page. "
+        + "; ".join(f"{quantity}: {number(value)}" for quantity, value in whole.items())
+        + ".",
+        ("rule", "jobs", "wall seconds, all jobs", "wall seconds, a job", "share of core time"),
+        rows,
+        ("Wall time of a job: from its start to its last product.",),
     )
 
 
-def scaling_markdown(machine: Mapping[str, str], frame: pd.DataFrame) -> str:
-    """Growth of the cost as one Markdown page."""
-    lines = ["# Growth of the cost", "", "Measured on this machine, all in one run:", ""]
-    lines += [f"* {name}: {text}" for name, text in machine.items()]
-    sections = ["\n".join(lines) + "\n", exponents_page(frame).to_markdown(), large_page(frame).to_markdown()]
-    return "\n".join(sections)
-
-
-PARTS = {
-    "states": "states of the map",
-    "diameter": "states of the map",
-    "library": "skills in the library",
-    "tasks": "tasks learned",
-}
-
-
-def exponents_page(frame: pd.DataFrame) -> Page:
-    """Value at both ends and exponent of every curve."""
+def exponents_table(frame: pd.DataFrame) -> Table:
+    """Lay out the value at both ends and the exponent of every curve."""
     rows = []
-    for (part, kind, quantity), curve in frame[frame["part"] != "large"].groupby(
-        ["part", "kind", "quantity"], sort=False
-    ):
-        curve = curve.sort_values("size")
-        first, last = curve.iloc[0], curve.iloc[-1]
-        rows.append(
-            [
-                str(quantity),
-                PARTS[str(part)],
-                str(kind),
-                f"{_quantity(first, quantity)} at {first['size']:.0f}",
-                f"{_quantity(last, quantity)} at {last['size']:.0f}",
-                _exponent(last),
-            ]
-        )
-    return Page(
-        title="What grows with what",
-        intro="cost ∝ sizeᵖ at large sizes; p with its 95 % interval.",
-        columns=["cost", "size", "map", "smallest", "largest", "exponent p"],
-        rows=rows,
-        notes=(
-            "Least squares on logarithms from the size on that the figure's CSV names; below it constant costs hide"
-            " the growth. The interval takes the scatter around the line to be noise. CPU time; least of several"
+    curves = frame[frame["part"] != "large"].groupby(["part", "kind", "quantity"], sort=False)
+    for (part, kind, quantity), curve in curves:
+        ends = curve.sort_values("size").iloc[[0, -1]].to_dict("records")
+        last = ends[-1]
+        exponent = estimate(last["exponent"], last["exponent_low"], last["exponent_high"])
+        at = [f"{quantity_text(end['value'], str(quantity))} at {number(int(end['size']))}" for end in ends]
+        rows.append((str(quantity), SIZES[str(part)], str(kind), *at, exponent))
+    headings = ("cost", "size", "map", "smallest", "largest", "exponent p")
+    return text_table(
+        "Cost against size",
+        "Cost ∝ sizeᵖ at large sizes; p with its interval.",
+        headings,
+        rows,
+        (
+            "Least squares on logarithms from the size given in the CSV of the figure; below it constant costs hide the"
+            " growth. The interval (95%) takes the scatter around the line to be noise. CPU time; least of several"
             " repeats. Memory is that beyond what the process held before.",
             "The length of a first episode is a property of the random walk, not of the code.",
             "The diameter of one closed corridor is the worst case of the exact algorithm: all states are equally far"
             " out, so it has to search from each of them. Rooms and open ground need a few dozen searches.",
         ),
-        text_columns=frozenset({1, 2}),
+        headings[1:3],
     )
 
 
-def large_page(frame: pd.DataFrame) -> Page:
-    """The large map that was learned to its end."""
+def large_table(frame: pd.DataFrame) -> Table:
+    """Lay out the measurements of the large map."""
     part = frame[frame["part"] == "large"]
     side = int(part["size"].iloc[0])
-    return Page(
-        title=f"A map of {side} × {side} cells",
-        intro="Two tasks of 200 episodes under PTL, learned to the end.",
-        columns=["what", "value"],
-        rows=[[str(row["quantity"]), _quantity(row, row["quantity"])] for _, row in part.iterrows()],
+    rows = [(row["quantity"], quantity_text(row["value"], row["quantity"])) for row in part.to_dict("records")]
+    return text_table(
+        f"A map of {side} × {side} cells",
+        "Two tasks under PTL, learned to the end.",
+        ("quantity", "value"),
+        rows,
     )
 
 
-def _exponent(row: pd.Series) -> str:
-    if np.isnan(row["exponent"]):
-        return ""
-    text = f"{row['exponent']:.2f}"
-    if not np.isnan(row["exponent_low"]):
-        text += f" ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
-    return text.replace("-0.00", "0.00").replace("-", "−")
-
-
-def _quantity(row: pd.Series, quantity: str) -> str:
-    """A value with its unit; seconds in the unit that suits them."""
-    value = float(row["value"])
+def quantity_text(value: float, quantity: str) -> str:
+    """Format a value with the unit that ends the name of its quantity; seconds in the unit that suits them."""
     unit = quantity.rpartition(", ")[2]
     if unit == "s":
-        for name, factor in (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9)):
-            if value * factor >= 1 or name == "ns":
-                return f"{_significant(value * factor)} {name}"
+        suiting = [scale for scale in UNITS_OF_TIME if value * scale[1] >= 1]
+        name, factor = suiting[0] if suiting else UNITS_OF_TIME[-1]
+        return f"{number(value * factor)} {name}"
     if unit == "MiB":
-        return f"{_significant(value)} MiB"
-    return f"{value:,.0f}".replace(",", " ")
+        return f"{number(value)} MiB"
+    return number(int(value) if unit in WHOLE else value)
 
 
-def _steps(value: float) -> str:
-    return _significant(value / 1e6)
-
-
-def _significant(value: float) -> str:
-    """Three significant digits, or all digits of a larger whole number."""
-    if value == 0:
-        return "0"
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.{max(0, 2 - int(np.floor(np.log10(abs(value)))))}f}"
+def _with_range(row: Mapping[str, float] | pd.Series) -> tuple[str, str]:
+    return number(row["value"]), f"{number(row['low'])} to {number(row['high'])}"

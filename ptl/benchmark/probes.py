@@ -14,17 +14,18 @@ from typing import Any
 
 import numpy as np
 
-from ptl import learning, mazes, transitions
-from ptl._kernel import Dynamics, Learner
+from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.selection import SkillSelection, prior
+from ptl.agent.skills import Skill, SkillLibrary
+from ptl.agent.subgoals import discover
 from ptl.benchmark.memory import peak_mebibytes
-from ptl.gridworld import GridWorld, load_map
-from ptl.growth import grow_library
-from ptl.learning import learn_life, tasks_of
-from ptl.parameters import Parameters
-from ptl.selection import SkillSelection, prior
-from ptl.skills import Skill, SkillLibrary
-from ptl.subgoals import discover
-from ptl.transitions import TransitionGraph
+from ptl.config import Parameters
+from ptl.learning import life as learning
+from ptl.learning.growth import grow_library
+from ptl.learning.life import learn_life, tasks_of
+from ptl.world import mazes, transitions
+from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.transitions import TransitionGraph
 
 STEPS = 10**7
 """Steps over which the time of one is measured."""

@@ -63,7 +63,7 @@ def measure(map_path: Path, plan: Plan, say: Callable[[str], None] = lambda _: N
     -------
     DataFrame
         Columns `COLUMNS`: ``part`` (states, diameter, library, tasks, large), ``kind`` of map, ``size``, ``quantity``
-        with its unit, ``value``, and the exponent of the power law that was fitted with its 95 % interval, empty
+        with its unit, ``value``, and the exponent of the power law that was fitted with its 95% interval, empty
         where none is.
     """
     jobs: list[tuple[str, str, int, list[str]]] = []

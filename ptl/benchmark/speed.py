@@ -14,9 +14,8 @@ from ptl.benchmark.contestants import (
     GymnasiumLoop,
     Kernel,
     KernelEveryStep,
-    MushroomRL,
+    NumbaLoop,
     PlainLoop,
-    PlainReference,
 )
 from ptl.benchmark.task import Task
 
@@ -50,17 +49,16 @@ class Entry:
 
 
 BASE = "plain Python, one loop"
-"""The entry whose rate is 1 in the column of ratios: the fastest that we could write in plain Python."""
+"""The entry whose rate is 1 in the column of ratios."""
 
 ENTRIES = (
     Entry("kernel, every step simulated", KernelEveryStep),
     Entry("kernel, with the shortcut", Kernel),
     Entry("kernel, every step simulated, while Q is zero", KernelEveryStep, "cold"),
     Entry("kernel, with the shortcut, while Q is zero", Kernel, "cold"),
+    Entry("Numba, one loop", NumbaLoop),
     Entry(BASE, PlainLoop),
-    Entry("plain Python, the tests' reference", PlainReference),
     Entry("Gymnasium and numpy", GymnasiumLoop, "sampled"),
-    Entry("mushroom-rl", MushroomRL, "sampled"),
 )
 
 
@@ -72,9 +70,9 @@ def measure(
     least_seconds: float = LEAST_SECONDS,
     say: Callable[[str], None] = lambda _: None,
 ) -> pd.DataFrame:
-    """Time all entries in turn, round after round, so that what disturbs the machine disturbs all of them.
+    """Time all entries in turn, round after round, so that other load on the machine affects all of them.
 
-    ``say`` is told which round begins.
+    ``say`` is called with a line at the start of each round.
 
     Returns
     -------
@@ -92,7 +90,7 @@ def measure(
 
 
 def stages_of(task: Task, episodes: int = EPISODES) -> list[np.ndarray]:
-    """Q before every twentieth episode of a task as the kernel learns it."""
+    """Return Q before every twentieth episode of a task as the kernel learns it."""
     kernel = KernelEveryStep(task, seed=0)
     stages = []
     for _ in range(0, episodes, SAMPLED_EVERY):
@@ -121,7 +119,7 @@ def _time(
 
 
 def summarise(measured: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
-    """Rate and ratio to the base of every entry over the rounds.
+    """Return rate and ratio to the base of every entry over the rounds.
 
     Returns
     -------

@@ -16,21 +16,21 @@ JOB = """
 import time
 marks = [("start of Python", time.process_time())]
 import gc, json, sys
-import ptl.commands.learn, ptl.learning, ptl.store
+import ptl.cli.learn, ptl.learning.life, ptl.files.results
 marks.append(("imports", time.process_time()))
-import ptl.provenance
-from ptl.gridworld import load_map
-from ptl.parameters import Parameters
+import ptl.files.provenance
+from ptl.world.gridworld import load_map
+from ptl.config import Parameters
 path, method, output = sys.argv[1:]
 world = load_map(path)
-tasks = ptl.learning.tasks_of(world, "".join(world.goals))
+tasks = ptl.learning.life.tasks_of(world, "".join(world.goals))
 marks.append(("reading the map", time.process_time()))
-life = ptl.learning.learn_life(world, tasks, method, Parameters(), 0, "benchmark", 0)
+life = ptl.learning.life.learn_life(world, tasks, method, Parameters(), 0, "benchmark", 0)
 marks.append(("learning", time.process_time()))
-digest = ptl.provenance.code_digest("ptl.learning", f"ptl.methods.{method}")
+digest = ptl.files.provenance.code_digest("ptl.learning.life", f"ptl.methods.{method}")
 origin = dict(environment="benchmark", method=method, seed=0, root_seed=0, parameters=Parameters().to_dict(),
               code=digest)
-ptl.store.write_learning(output, life, world, origin)
+ptl.files.results.write_learning(output, life, world, origin)
 marks.append(("writing the file", time.process_time()))
 from ptl.benchmark.memory import peak_mebibytes
 print(json.dumps({"marks": marks, "peak": peak_mebibytes()}))

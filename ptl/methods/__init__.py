@@ -1,31 +1,164 @@
-"""The methods that are compared, one file each.
+"""The compared methods, one file each, and methods from anywhere else.
 
-A method is a file of this folder that defines a class ``Method``; its identifier is the name of the file. Adding a
-file and naming it in the configuration is all it takes to bring a new method into every table and figure.
+A method is named by a reference:
+
+``ptl``                        a file of this folder,
+``methods/my_agent.py``        a file anywhere,
+``my_package.agents:MyAgent``  a class that Python can import,
+
+or, in Python, by the class itself or a function that makes an instance. A file defines a class ``Method``. The
+identifier in files, tables and random streams is the file's name without ``.py``; a class with another name and a
+function say it in an attribute ``name``.
 """
 
 from __future__ import annotations
 
+import hashlib
+import sys
+from collections.abc import Callable, Iterable
 from importlib import import_module
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from traceback import extract_tb
+from types import ModuleType
+from typing import TypeAlias
 
+import msgspec
+import numpy as np
+
+from ptl.config import Name, Parameters
 from ptl.errors import UserError
+from ptl.keys import allowed
 from ptl.methods._base import BaseMethod
+from ptl.world.gridworld import GridWorld
+
+Maker: TypeAlias = Callable[[GridWorld, Parameters, np.random.Generator], BaseMethod]
+"""A subclass of `BaseMethod`, or a function with the same arguments."""
 
 
 def names() -> list[str]:
-    """Identifiers of all methods, in alphabetical order."""
+    """Return the identifiers of the built-in methods, in alphabetical order."""
     return sorted(path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_"))
 
 
-def load(identifier: str) -> type[BaseMethod]:
-    """The class of a method.
+def load(reference: str) -> type[BaseMethod]:
+    """Return the class of a method.
 
     Raises
     ------
     UserError
-        If no method has this identifier.
+        One line: there is no such method, file or class, it cannot be imported, or it is no subclass of `BaseMethod`.
     """
-    if identifier not in names():
-        raise UserError(f"configuration key methods: unknown method {identifier!r}; known are {', '.join(names())}")
-    return import_module(f"ptl.methods.{identifier}").Method
+    if reference.endswith(".py"):
+        if not Path(reference).is_file():
+            raise UserError(f"method {reference}: no such file; check the path")
+        module, attribute = _imported(reference, lambda: _module_from_file(Path(reference))), "Method"
+    elif ":" in reference:
+        place, attribute = reference.rsplit(":", 1)
+        module = _imported(reference, lambda: import_module(place))
+    elif reference in names():
+        module, attribute = import_module(f"ptl.methods.{reference}"), "Method"
+    else:
+        raise UserError(
+            f"unknown method {reference!r}; known are {', '.join(names())}, or give a file that ends in .py or"
+            " package.module:Class"
+        )
+    kind = getattr(module, attribute, None)
+    if not (isinstance(kind, type) and issubclass(kind, BaseMethod)):
+        raise UserError(f"method {reference}: defines no class {attribute} derived from ptl.methods.BaseMethod")
+    return kind
+
+
+def identifier(method: str | Maker) -> str:
+    """Return the word that stands for a method in files, tables and random streams.
+
+    Raises
+    ------
+    UserError
+        If it is missing, has other characters than lower-case letters, digits and _, or is that of a built-in method.
+    """
+    name: str | None
+    built_in = False
+    if isinstance(method, str) and method.endswith(".py"):
+        name = Path(method).stem
+    elif isinstance(method, str) and ":" not in method:
+        name, built_in = method, True
+    else:
+        made = load(method) if isinstance(method, str) else method
+        unnamed = isinstance(made, type) and made.__name__ == "Method"
+        name = made.__module__.rpartition(".")[2] if unnamed else getattr(made, "name", None)
+        built_in = made.__module__ == f"ptl.methods.{name}"
+    try:
+        checked: str = msgspec.convert(name, Name)
+    except msgspec.ValidationError:
+        raise UserError(
+            f"method {shown(method)}: the identifier {name!r} is not allowed; give {allowed(Name)} as the file's name"
+            " or the attribute name"
+        ) from None
+    if checked in names() and not built_in:
+        raise UserError(f"method {shown(method)}: {name} is a built-in method; give the file or the class another name")
+    return checked
+
+
+def by_identifier(references: Iterable[str]) -> dict[str, str]:
+    """Return the references by identifier, in the order given.
+
+    Raises
+    ------
+    UserError
+        If two references have one identifier.
+    """
+    found: dict[str, str] = {}
+    for reference in references:
+        name = identifier(reference)
+        if name in found:
+            raise UserError(f"methods {found[name]} and {reference} are both called {name}; rename one of them")
+        found[name] = reference
+    return found
+
+
+def source_file(reference: str) -> Path:
+    """Return the file that defines a method, for digests."""
+    return Path(reference) if reference.endswith(".py") else Path(str(sys.modules[load(reference).__module__].__file__))
+
+
+def fault(error: Exception, method: str | Maker) -> UserError:
+    """Return an error in a method's code as one line that names the place."""
+    if isinstance(error, SyntaxError):
+        place = f"{error.filename}, line {error.lineno}"
+    else:
+        frame = [frame for frame in extract_tb(error.__traceback__) if frame.filename.endswith(".py")][-1]
+        place = f"{frame.filename}, line {frame.lineno}"
+    message = error.msg if isinstance(error, SyntaxError) else error
+    return UserError(f"method {shown(method)}: {type(error).__name__}: {message} ({place})")
+
+
+def shown(method: str | Maker) -> str:
+    """Return how messages name a method."""
+    return method if isinstance(method, str) else getattr(method, "__qualname__", repr(method))
+
+
+def _imported(reference: str, load_module: Callable[[], ModuleType]) -> ModuleType:
+    try:
+        return load_module()
+    except ImportError as error:
+        raise UserError(f"method {reference}: cannot be imported ({error})") from error
+    except Exception as error:  # whatever the user's file does
+        raise fault(error, reference) from error
+
+
+def _module_from_file(path: Path) -> ModuleType:
+    # Entered in sys.modules, which dataclasses and msgspec look up, under a name that shadows no other module.
+    path = path.resolve()
+    name = f"method_{hashlib.sha256(bytes(path)).hexdigest()[:16]}.{path.stem}"
+    if name not in sys.modules:
+        description = spec_from_file_location(name, path)
+        assert description is not None and description.loader is not None  # the path ends in .py
+        module = module_from_spec(description)
+        sys.modules[name] = module
+        try:
+            description.loader.exec_module(module)
+        except BaseException:
+            del sys.modules[name]
+            raise
+    return sys.modules[name]

@@ -1,4 +1,4 @@
-"""What every method is: three calls around the episodes of a task."""
+"""The interface of a method: three calls around the episodes of a task."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from ptl.gridworld import GridWorld
-from ptl.parameters import Parameters
-from ptl.skills import SkillLibrary
+from ptl.agent.skills import SkillLibrary
+from ptl.config import Parameters
+from ptl.world.gridworld import GridWorld
 
 if TYPE_CHECKING:
-    from ptl._kernel import Learner
+    from ptl.agent._kernel import Learner
 
 
 class BaseMethod:
@@ -28,12 +28,15 @@ class BaseMethod:
     ----------
     label, colour : str
         How tables and figures show the method (colour as ``#rrggbb``).
+    name : str
+        Identifier in files and random streams; a class ``Method`` leaves it out and is called after its file.
     library : SkillLibrary or None
         The skill library if the method keeps one; it is updated after each task.
     """
 
     label: ClassVar[str]
     colour: ClassVar[str]
+    name: ClassVar[str]
 
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         self.world = world
@@ -49,5 +52,5 @@ class BaseMethod:
         """Bring the agent from the start to the goal; return the skills or arms drawn, in order."""
         raise NotImplementedError
 
-    def end_task(self, q: np.ndarray) -> None:
-        """Keep what later tasks need; ``q`` holds the final action values (n_states, 4)."""
+    def end_task(self, learner: Learner) -> None:
+        """Keep what later tasks need, such as the final ``learner.q`` and what was ``learner.seen``."""

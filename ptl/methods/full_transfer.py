@@ -1,13 +1,13 @@
-"""Full transfer: all that was learned for the previous task is carried into the next one."""
+"""Full transfer: Q-learning from the final Q of the previous task."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from ptl._kernel import Learner
-from ptl.gridworld import GridWorld
+from ptl.agent._kernel import Learner
+from ptl.config import Parameters
 from ptl.methods._base import BaseMethod
-from ptl.parameters import Parameters
+from ptl.world.gridworld import GridWorld
 
 
 class Method(BaseMethod):
@@ -27,5 +27,5 @@ class Method(BaseMethod):
         learner.explore()
         return []
 
-    def end_task(self, q: np.ndarray) -> None:
-        self._previous_q = q
+    def end_task(self, learner: Learner) -> None:
+        self._previous_q = learner.q

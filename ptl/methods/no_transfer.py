@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ptl._kernel import Learner
+from ptl.agent._kernel import Learner
 from ptl.methods._base import BaseMethod
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ptl._kernel import Learner
-from ptl.gridworld import GridWorld
+from ptl.agent._kernel import Learner
+from ptl.agent.policies import greedy_policy
+from ptl.agent.selection import draw_index
+from ptl.config import Parameters
 from ptl.methods._base import BaseMethod
-from ptl.parameters import Parameters
-from ptl.policies import greedy_policy
-from ptl.selection import draw_index
+from ptl.world.gridworld import GridWorld
 
 
 class Method(BaseMethod):
@@ -47,10 +47,10 @@ class Method(BaseMethod):
         self._temperature += reuse.temperature_step
         return [arm]
 
-    def end_task(self, q: np.ndarray) -> None:
-        self.past_policies.append(greedy_policy(q))
+    def end_task(self, learner: Learner) -> None:
+        self.past_policies.append(greedy_policy(learner.q))
 
     def arm_probabilities(self) -> np.ndarray:
-        """Probability of each arm in the next episode, float (1 + earlier tasks,)."""
+        """Return the probability of each arm in the next episode, float (1 + earlier tasks,)."""
         weights = np.exp(self._temperature * (self._gain - self._gain.max()))
         return weights / weights.sum()

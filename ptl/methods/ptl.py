@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from ptl._kernel import Learner
-from ptl.gridworld import GridWorld
+from ptl.agent._kernel import Learner
+from ptl.agent.selection import SkillSelection, prior
+from ptl.agent.skills import SkillLibrary
+from ptl.config import Parameters
 from ptl.methods._base import BaseMethod
-from ptl.parameters import Parameters
-from ptl.selection import SkillSelection, prior
-from ptl.skills import SkillLibrary
+from ptl.world.gridworld import GridWorld
 
 NULL_SKILL = 0
 """Candidate without guidance, whose subgoal is the start state (our choice); library skill i is candidate i + 1."""
@@ -59,11 +59,11 @@ class Method(BaseMethod):
         return used
 
     def prior(self, goal: int) -> np.ndarray:
-        """P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
+        """Return P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
         skills = self.parameters.skills
         world = self.world
         return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width)
 
     def draw_skill(self) -> int:
-        """Candidate to use next."""
+        """Draw the candidate to use next."""
         return self.selection.draw(self.random)

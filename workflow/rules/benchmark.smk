@@ -1,4 +1,4 @@
-# What the package costs on this machine. Not part of `rule all`; `make benchmark` makes it.
+# The cost of the package on this machine. Not part of `rule all`; `make benchmark` makes it.
 #
 # More threads than any machine has are scaled down to all cores, so nothing else runs beside a measurement.
 
@@ -15,16 +15,16 @@ rule compare_speed:
         "../envs/ptl.yaml"
     threads: 1024
     params:
-        task=LAST_TASK[ENVIRONMENTS[0]],
-        methods=" ".join(f"--method {method}" for method in METHODS),
-        learning_jobs=len(ENVIRONMENTS) * len(METHODS) * len(SEEDS),
-        code=code_digest("ptl.commands.benchmark", "ptl.benchmark.mushroom"),
-        methods_code=method_colours(),
+        task=config["environments"][ENVIRONMENTS[0]]["tasks"][-1],
+        config=config,
+        code=code_digest(
+            "ptl.benchmark.pages", "ptl.benchmark.numba_loop", "ptl.benchmark.run"
+        ),
+        methods_code=method_modules(METHODS),
     message:
-        "Timing the kernel beside other learners, and taking a learning job and a whole run apart"
-    shell:
-        "ptl benchmark speed --map {input.map:q} --task {params.task} {params.methods}"
-        " --learning-jobs {params.learning_jobs} --output {output.page:q} 2> {log:q}"
+        "Timing the kernel beside other learners, learning jobs and a whole run"
+    script:
+        "../scripts/compare_speed.py"
 
 
 rule measure_scaling:
@@ -32,7 +32,8 @@ rule measure_scaling:
         map=config["environments"][config["growth"]["environment"]]["map"],
     output:
         png="<reports>/scaling.png",
-        others=multiext("<reports>/scaling", ".svg", ".csv", ".md"),
+        page="<reports>/scaling.md",
+        others=multiext("<reports>/scaling", ".svg", ".csv"),
     log:
         "<logs>/measure_scaling.log",
     conda:
@@ -40,12 +41,12 @@ rule measure_scaling:
     threads: 1024
     params:
         code=code_digest(
-            "ptl.commands.benchmark", "ptl.benchmark.probes", "ptl.methods.ptl"
+            "ptl.benchmark.scaling", "ptl.benchmark.probes", "ptl.methods.ptl"
         ),
     message:
         "Measuring how the cost grows with states, skills and tasks"
-    shell:
-        "ptl benchmark scaling --map {input.map:q} --output {output.png:q} 2> {log:q}"
+    script:
+        "../scripts/measure_scaling.py"
 
 
 rule benchmark:

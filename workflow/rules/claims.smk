@@ -6,12 +6,10 @@ rule judge_claims:
         per_seed=rules.measure.output.per_seed,
         subgoals=rules.measure.output.subgoals,
         steps=rules.measure.output.steps,
-        growth="<reports>/tables/growth.csv",
-        selection_cost="<reports>/tables/selection_cost.csv",
-        library_bytes="<reports>/tables/library_bytes.csv",
-        maps=[
-            config["environments"][environment]["map"] for environment in ENVIRONMENTS
-        ],
+        growth=rules.collect_growth.output,
+        selection_cost=rules.library_cost.output.selection,
+        library_bytes=rules.library_cost.output.storage,
+        maps=[entry["map"] for entry in entries().values()],
     output:
         csv="<reports>/claims.csv",
         parts="<reports>/claims_parts.csv",
@@ -27,18 +25,13 @@ rule judge_claims:
     conda:
         "../envs/ptl.yaml"
     params:
-        maps=map_options(),
-        confidence=config["statistics"]["confidence"],
-        resamples=config["statistics"]["resamples"],
-        code=code_digest("ptl.commands.claims", "ptl.claims", "ptl.evidence"),
+        groups=groups("measures", "statistics", "growth"),
+        environments=entries(),
+        code=code_digest("ptl.study.claims", "ptl.study.evidence", "ptl.report.ledger"),
     message:
         "Judging the claims of the article"
-    shell:
-        "ptl claims {input.per_seed:q} {params.maps} --subgoals {input.subgoals:q} --steps {input.steps:q}"
-        " --growth {input.growth:q} --selection-cost {input.selection_cost:q}"
-        " --library-bytes {input.library_bytes:q} --confidence {params.confidence}"
-        " --resamples {params.resamples} --output-csv {output.csv:q} --output-parts {output.parts:q}"
-        " --output-md {output.md:q} --output-html {output.html:q} 2> {log:q}"
+    script:
+        "../scripts/judge_claims.py"
 
 
 rule explain_differences:
@@ -52,7 +45,7 @@ rule explain_differences:
             caption="../report/differences.rst",
             category="1 Verdicts",
             labels={
-                "item": "Differences: the article's numbers beside ours, and why they differ"
+                "item": "Differences: the article's statements beside our numbers"
             },
         ),
     log:
@@ -60,12 +53,11 @@ rule explain_differences:
     conda:
         "../envs/ptl.yaml"
     params:
-        code=code_digest("ptl.commands.differences", "ptl.differences"),
+        code=code_digest("ptl.report.differences"),
     message:
-        "Laying out where the run differs from the article"
-    shell:
-        "ptl differences {input.claims:q} {input.parts:q} --output-md {output.md:q} --output-html {output.html:q}"
-        " 2> {log:q}"
+        "Comparing the run with the article's statements"
+    script:
+        "../scripts/explain_differences.py"
 
 
 rule claims:

@@ -1,8 +1,6 @@
 # The page in which the learning of some seeds can be watched; complete in itself.
 
-from ptl.explorer.page import source_digest
-
-# A few seeds show how much runs differ. Chromium shows a page inside the report only up to 1.5 MB.
+# A few seeds show how much runs differ; with more the page would be too large for the report (see `pack`).
 EXPLORER_SEEDS = list(SEEDS)[:3]
 
 
@@ -29,14 +27,18 @@ rule build_explorer:
     conda:
         "../envs/ptl.yaml"
     params:
-        titles=titles_option(),
-        code=code_digest("ptl.commands.explorer"),
-        labels=code_digest(*[f"ptl.methods.{method}" for method in METHODS]),
-        page=source_digest(),
+        groups=groups("measures"),
+        environments=entries(),
+        methods=METHODS,
+        code=code_digest(
+            "ptl.report.explorer.data",
+            "ptl.report.explorer.page",
+            *method_modules(METHODS),
+        ),
     message:
         "Building the explorer {output}"
-    shell:
-        "ptl explorer {input:q} --output {output:q} {params.titles} 2> {log:q}"
+    script:
+        "../scripts/build_explorer.py"
 
 
 rule explorer:

@@ -11,16 +11,15 @@ rule grow:
     conda:
         "../envs/ptl.yaml"
     params:
-        environment=config["growth"]["environment"],
-        tasks=config["growth"]["tasks"],
+        growth=config["growth"],
         run=lambda wildcards: int(wildcards.run),
         root_seed=config["root_seed"],
         parameters=hyper_parameters("learning", "skills", "subgoals"),
-        code=code_digest("ptl.growth", "ptl.methods.ptl", "ptl.store"),
+        code=code_digest("ptl.learning.growth", "ptl.methods.ptl", "ptl.files.results"),
     message:
         "Growing a library over random tasks, run {wildcards.run}"
     shell:
-        "ptl grow --map {input.map:q} --environment {params.environment} --tasks {params.tasks}"
+        "ptl grow --map {input.map:q} --environment {params.growth[environment]} --tasks {params.growth[tasks]}"
         " --run {params.run} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 

@@ -18,7 +18,7 @@ rule learn:
         tasks=lambda wildcards: config["environments"][wildcards.environment]["tasks"],
         parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
         code=lambda wildcards: code_digest(
-            "ptl.learning", f"ptl.methods.{wildcards.method}", "ptl.store"
+            "ptl.learning.life", f"ptl.methods.{wildcards.method}", "ptl.files.results"
         ),
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"

@@ -14,15 +14,12 @@ rule measure:
     conda:
         "../envs/ptl.yaml"
     params:
-        files=numbered_learning_files(),
-        measures=f"--window {config['measures']['window']}"
-        f" --threshold-factor {config['measures']['threshold_factor']}",
-        code=code_digest("ptl.commands.measure", "ptl.measures"),
+        groups=groups("measures"),
+        code=code_digest("ptl.study.measures", "ptl.files.verification"),
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
-    shell:
-        "ptl measure {params.files:q} --output-per-seed {output.per_seed:q} --output-subgoals {output.subgoals:q}"
-        " --output-steps {output.steps:q} {params.measures} 2> {log:q}"
+    script:
+        "../scripts/measure.py"
 
 
 rule collect_growth:
@@ -35,17 +32,16 @@ rule collect_growth:
     conda:
         "../envs/ptl.yaml"
     params:
-        files=numbered("growth/run_[].h5", config["growth"]["runs"]),
-        code=code_digest("ptl.commands.collect_growth"),
+        code=code_digest("ptl.study.growth", "ptl.files.verification"),
     message:
         "Collecting the growth of the library"
-    shell:
-        "ptl collect-growth {params.files:q} --output {output:q} 2> {log:q}"
+    script:
+        "../scripts/collect_growth.py"
 
 
 rule library_cost:
     input:
-        [config["environments"][environment]["map"] for environment in ENVIRONMENTS],
+        maps=[entry["map"] for entry in entries().values()],
     output:
         selection="<reports>/tables/selection_cost.csv",
         storage="<reports>/tables/library_bytes.csv",
@@ -54,9 +50,9 @@ rule library_cost:
     conda:
         "../envs/ptl.yaml"
     params:
-        code=code_digest("ptl.commands.library_cost", "ptl.complexity"),
+        environments=entries(),
+        code=code_digest("ptl.study.library_cost"),
     message:
-        "Measuring what a skill selection and a library cost"
-    shell:
-        "ptl library-cost {input:q} --output-selection {output.selection:q} --output-storage {output.storage:q}"
-        " 2> {log:q}"
+        "Counting the cost of a skill selection and of a library"
+    script:
+        "../scripts/library_cost.py"

@@ -1,4 +1,4 @@
-# The front page of the report, and the manifest of everything in it.
+# The front page of the report, and the manifest of all products.
 
 
 report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
@@ -15,18 +15,13 @@ rule front_page:
     conda:
         "../envs/ptl.yaml"
     params:
-        environments=" ".join(
-            shlex.join(["--environment", f"{name}={LAST_TASK[name]}={title_of(name)}"])
-            for name in ENVIRONMENTS
-        ),
-        methods=" ".join(f"--method {method}" for method in METHODS),
-        code=code_digest("ptl.commands.front_page", "ptl.front_page"),
-        labels=method_colours(),
+        environments=entries(),
+        methods=METHODS,
+        code=code_digest("ptl.report.front_page", *method_modules(METHODS)),
     message:
         "Composing the front page of the report"
-    shell:
-        "ptl front-page {input.claims:q} {input.metrics:q} {params.environments} {params.methods}"
-        " --output {output:q} 2> {log:q}"
+    script:
+        "../scripts/front_page.py"
 
 
 rule manifest:
@@ -34,7 +29,7 @@ rule manifest:
         rules.tables.input,
         rules.figures.input,
         rules.claims.input,
-        rules.report_fv.output,
+        rules.policy_reuse_table.output,
         rules.front_page.output,
     output:
         "<reports>/manifest.json",
@@ -43,10 +38,9 @@ rule manifest:
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=lambda wildcards, output: os.path.dirname(output[0]),
         config=json.dumps(config, sort_keys=True),
-        code=code_digest("ptl.commands.manifest", "ptl.manifest"),
+        code=code_digest("ptl.files.manifest"),
     message:
         "Writing the manifest of all products"
-    shell:
-        "ptl manifest {input:q} --folder {params.folder:q} --config {params.config:q} --output {output:q} 2> {log:q}"
+    script:
+        "../scripts/manifest.py"

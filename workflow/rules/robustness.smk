@@ -1,16 +1,16 @@
-# The robustness study: one job per setting, the same verdicts as the main run's, and what they hang on.
+# The robustness study: one job per setting, verdicts as in the main run, and the unknowns that affect them.
 # Not part of `rule all`; `snakemake -j2 robustness` makes it.
 
-from ptl.robustness.design import StudyJobs
+from ptl.study.robustness.design import StudyJobs
 
-STUDY = config.get("robustness", {}).get("study", "config/robustness.yaml")
+STUDY = config["robustness"]["study"]
 # read only when the study is asked for
 SETTINGS = StudyJobs(STUDY, config, refuse)
 
 
 rule learn_setting:
     input:
-        [environment["map"] for environment in config["environments"].values()],
+        [entry["map"] for entry in entries().values()],
     output:
         "<results>/robustness/{setting}.h5",
     log:
@@ -24,12 +24,13 @@ rule learn_setting:
             SETTINGS.by_name[wildcards.setting], sort_keys=True
         ),
         code=code_digest(
-            "ptl.robustness.running", *[f"ptl.methods.{method}" for method in METHODS]
+            "ptl.study.robustness.running",
+            *[f"ptl.methods.{method}" for method in METHODS],
         ),
     message:
         "Learning the setting {wildcards.setting} of the robustness study"
     shell:
-        "ptl robustness learn --job {params.job:q} --output {output:q} 2> {log:q}"
+        "ptl robustness --job {params.job:q} --output {output:q} 2> {log:q}"
 
 
 rule judge_setting:
@@ -45,16 +46,12 @@ rule judge_setting:
     conda:
         "../envs/ptl.yaml"
     params:
-        options=f"--window {config['measures']['window']}"
-        f" --threshold-factor {config['measures']['threshold_factor']}"
-        f" --confidence {config['statistics']['confidence']}"
-        f" --resamples {config['statistics']['resamples']}",
-        code=code_digest("ptl.robustness.verdicts"),
+        groups=groups("measures", "statistics", "growth"),
+        code=code_digest("ptl.study.robustness.verdicts"),
     message:
         "Judging the claims in the setting {wildcards.setting}"
-    shell:
-        "ptl robustness judge {input:q} {params.options} --output-verdicts {output.verdicts:q}"
-        " --output-targets {output.targets:q} 2> {log:q}"
+    script:
+        "../scripts/judge_setting.py"
 
 
 rule report_robustness:
@@ -107,18 +104,15 @@ rule report_robustness:
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=lambda wildcards, input: os.path.dirname(input.verdicts[0]),
-        output=lambda wildcards, output: os.path.dirname(output.png),
         code=code_digest(
-            "ptl.commands.robustness",
-            "ptl.robustness.summary",
-            "ptl.robustness.pages",
-            "ptl.figures.robustness",
+            "ptl.study.robustness.summary",
+            "ptl.report.robustness",
+            "ptl.report.figures.robustness",
         ),
     message:
-        "Putting the verdicts of all settings together"
-    shell:
-        "ptl robustness report {params.folder:q} --study {input.study:q} --output-folder {params.output:q} 2> {log:q}"
+        "Summarising the verdicts of all settings"
+    script:
+        "../scripts/report_robustness.py"
 
 
 rule robustness:

@@ -13,17 +13,16 @@ rule survey_batch:
     conda:
         "../envs/ptl.yaml"
     params:
-        batches=config["subgoal_frequencies"]["batches"],
-        starts=config["subgoal_frequencies"]["starts"],
-        trajectories=config["subgoal_frequencies"]["trajectories"],
+        survey=config["subgoal_frequencies"],
         root_seed=config["root_seed"],
         parameters=hyper_parameters("learning"),
-        code=code_digest("ptl.frequencies", "ptl.store"),
+        code=code_digest("ptl.learning.survey", "ptl.files.results"),
     message:
-        "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.batches}"
+        "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.survey[batches]}"
     shell:
         "ptl survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
-        " --batches {params.batches} --starts {params.starts} --trajectories {params.trajectories}"
+        " --batches {params.survey[batches]} --starts {params.survey[starts]}"
+        " --trajectories {params.survey[trajectories]}"
         " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
 
@@ -40,7 +39,7 @@ rule merge_survey:
     conda:
         "../envs/ptl.yaml"
     params:
-        code=code_digest("ptl.frequencies", "ptl.store"),
+        code=code_digest("ptl.learning.survey", "ptl.files.results"),
     message:
         "Adding up the subgoals of {wildcards.environment}"
     shell:

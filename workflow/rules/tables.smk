@@ -1,16 +1,9 @@
 # Estimates with their intervals, and the article's tables.
 
+from ptl.report.table_kinds import table_labels
+
 TABLE_FORMATS = ["html", "md", "tex", "csv"]
-MEASURES_SHARED_OUT = [
-    "jump start, asymptotic performance, time to threshold",
-    "total performance, transfer ratio",
-]
-TABLES = {
-    f"table{number}": f"Table {number}: {title_of(environment)}, {measures}"
-    for number, (environment, measures) in enumerate(
-        itertools.product(ENVIRONMENTS, MEASURES_SHARED_OUT), start=1
-    )
-}
+TABLES = table_labels(config["environments"])
 
 
 rule tabulate:
@@ -38,21 +31,14 @@ rule tabulate:
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=lambda wildcards, output: os.path.dirname(output.metrics),
-        environments=titles_option(),
-        window=config["measures"]["window"],
-        threshold_factor=config["measures"]["threshold_factor"],
-        confidence=config["statistics"]["confidence"],
-        resamples=config["statistics"]["resamples"],
-        code=code_digest("ptl.commands.tables", "ptl.statistics", "ptl.tables"),
-        labels=code_digest(*[f"ptl.methods.{method}" for method in METHODS]),
+        groups=groups("measures", "statistics"),
+        environments=entries(),
+        methods=METHODS,
+        code=code_digest("ptl.report.metric_tables", *method_modules(METHODS)),
     message:
         "Estimating every measure and laying out {output.metrics} and the tables"
-    shell:
-        "ptl tables {input.per_seed:q} --output-metrics {output.metrics:q} --output-folder {params.folder:q}"
-        " {params.environments} --window {params.window}"
-        " --threshold-factor {params.threshold_factor} --confidence {params.confidence}"
-        " --resamples {params.resamples} 2> {log:q}"
+    script:
+        "../scripts/tabulate.py"
 
 
 rule tables:

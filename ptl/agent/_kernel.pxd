@@ -1,0 +1,62 @@
+# The parts of the episode kernel that other compiled modules of the package use.
+cimport cython
+from libc.stdint cimport int64_t, uint8_t, uint32_t, uint64_t
+from numpy.random cimport bitgen_t
+
+
+@cython.final
+cdef class Dynamics:
+    cdef readonly int n_states
+    cdef object _keep, fresh_moves
+    cdef uint32_t* successors
+    cdef uint32_t* jumps
+    cdef uint32_t* predecessors
+    cdef uint32_t* first_predecessor
+
+
+@cython.final
+cdef class Learner:
+    cdef readonly Dynamics dynamics
+    cdef object _keep, _generator
+    cdef bitgen_t* generator
+    cdef uint64_t[256] words
+    cdef int next_word
+    cdef uint32_t half
+    cdef bint has_half
+    cdef bint shortcut
+    cdef bint notes_pairs  # False: actions taken two at a time are not noted, and `seen` must not be asked for
+    cdef double alpha, gamma
+    cdef uint64_t epsilon
+    cdef int64_t max_steps, taken
+    cdef uint32_t start, here, goal
+    cdef double* values
+    cdef double* best
+    cdef double* target
+    cdef uint8_t* greedy
+    cdef uint32_t* moves
+    cdef uint8_t* cold
+    cdef uint8_t* informed
+    cdef uint8_t* taken_actions
+    cdef uint8_t* taken_pairs
+    cdef uint8_t* last_exit
+    cdef uint32_t* informed_states
+    cdef int n_informed
+    cdef object _recorded
+    cdef uint8_t* actions
+    cdef int64_t record_limit
+
+    cdef uint64_t chance(self, epsilon) except *
+    cdef void fill_values(self, const double[:, ::1] q) noexcept
+    cdef void draw_words(self) noexcept nogil
+    cdef void fill_moves(self, uint32_t state) noexcept nogil
+    cdef void warm_up(self, uint32_t state) noexcept nogil
+    cdef void refresh(self, uint32_t state) noexcept nogil
+    cdef void forget(self, uint32_t goal) noexcept nogil
+    cdef void enter(self, uint32_t start) noexcept nogil
+    cdef void run_greedily(self, int64_t budget, uint64_t epsilon) noexcept nogil
+    cdef void run_greedily_recorded(self, int64_t budget, uint64_t epsilon) noexcept nogil
+    cdef void run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
+                         const uint8_t* masks) noexcept nogil
+    cdef void run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) noexcept nogil
+    cdef void run_reuse(self, const signed char* policy, double psi, double decay) noexcept nogil
+    cdef int erase_loops(self, uint32_t* path) noexcept nogil

@@ -1,0 +1,79 @@
+"""Skills and the library that grows by at most one of them after each task."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ptl.agent.subgoals import Discovery
+from ptl.world.transitions import TransitionGraph
+
+
+@dataclass(frozen=True)
+class Skill:
+    """A policy that reaches a subgoal from the states visited in the task that taught it.
+
+    Attributes
+    ----------
+    subgoal : int
+    policy : int8 array, shape (n_states,)
+        First action of a shortest path to the subgoal over the seen transitions, -1 where undefined.
+    learned_after : int
+        Index of the task after which it was added, counted from 0.
+    """
+
+    subgoal: int
+    policy: np.ndarray
+    learned_after: int
+
+
+@dataclass(frozen=True)
+class Update:
+    """The outcome of one library update: the state added, or -1, and the reason."""
+
+    subgoal: int
+    reason: str
+
+
+@dataclass
+class SkillLibrary:
+    """The growing collection of skills.
+
+    Parameters
+    ----------
+    novelty : float
+        rho: the unknown rest of the paths must be at least this share of the diameter of the visited part.
+    threshold : float
+        theta: least value of the incremental metric at the new subgoal.
+    """
+
+    novelty: float = 0.2
+    threshold: float = 0.2
+    skills: list[Skill] = field(default_factory=list)
+
+    def __len__(self) -> int:
+        return len(self.skills)
+
+    @property
+    def subgoals(self) -> list[int]:
+        """Subgoals in the order in which they were added."""
+        return [skill.subgoal for skill in self.skills]
+
+    def update(self, discovery: Discovery, graph: TransitionGraph, task_index: int) -> Update:
+        """Add the argmax of the incremental metric as a skill if it passes the three tests (our choice).
+
+        The rests are long enough, the metric is high enough, and the subgoal is new. Ties of the metric go to the
+        state with the lowest number.
+        """
+        metric = discovery.incremental.product
+        candidate = int(metric.argmax())
+        if discovery.novelty < self.novelty * discovery.diameter:
+            return Update(-1, "the unknown part of the paths is too short")
+        # A metric of 0 everywhere has no argmax, even with a threshold of 0.
+        if metric[candidate] < self.threshold or metric[candidate] == 0:
+            return Update(-1, "no state stands out")
+        if candidate in self.subgoals:
+            return Update(-1, "the subgoal is in the library already")
+        self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index))
+        return Update(candidate, "added")

@@ -1,0 +1,105 @@
+"""Subgoal discovery: the FD metric of Kretchmar et al. and the article's incremental version of it.
+
+Both work on the loop-erased paths of the first successful episodes of a task. The article states that the metric is the
+product of frequency and distance, and that the incremental metric eliminates the known part; the form of the distance
+and of the elimination are our choice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ptl.world.transitions import TransitionGraph
+
+
+@dataclass(frozen=True)
+class FDMetric:
+    """Frequency and distance of every state over T paths; all arrays float (n_states,)."""
+
+    frequency: np.ndarray
+    distance: np.ndarray
+
+    @property
+    def product(self) -> np.ndarray:
+        """f * d, whose argmax is the subgoal."""
+        return self.frequency * self.distance
+
+
+def fd_metric(paths: Sequence[np.ndarray], n_states: int) -> FDMetric:
+    """Compute frequency and distance over loop-erased paths (Kretchmar et al.; form of the distance: our choice).
+
+    f(s) is the share of the paths that contain s. d(s) is the mean over those of 2 min(j, l - j) / l, with j the
+    position of s on the path and l its length in steps: 0 at both ends, 1 half-way. A path of no steps counts in f
+    and has distance 0.
+    """
+    visits = np.zeros(n_states)
+    total = np.zeros(n_states)
+    for path in paths:
+        length = len(path) - 1
+        position = np.arange(length + 1)
+        visits[path] += 1
+        if length > 0:
+            total[path] += 2.0 * np.minimum(position, length - position) / length
+    distance = np.divide(total, visits, out=np.zeros(n_states), where=visits > 0)
+    return FDMetric(visits / max(len(paths), 1), distance)
+
+
+def covered_states(graph: TransitionGraph, subgoals: Sequence[int], radius: int) -> np.ndarray:
+    """Return which states are within ``radius`` steps of a stored subgoal over seen transitions, bool (n_states,)."""
+    steps = graph.steps_from(list(subgoals))
+    return (steps >= 0) & (steps <= radius)
+
+
+def cut_known(path: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Return the rest of a path from its last covered state on; the whole path if none is covered."""
+    known = np.flatnonzero(covered[path])
+    return path[known[-1] :] if known.size else path
+
+
+@dataclass(frozen=True)
+class Discovery:
+    """What the first successful episodes of a task say about subgoals.
+
+    Attributes
+    ----------
+    original, incremental : FDMetric
+        On the whole paths, and on their rests beyond the part that the library knows.
+    novelty : float
+        Mean length of the rests in steps.
+    diameter : int
+        Longest shortest path between visited states, in steps.
+    """
+
+    original: FDMetric
+    incremental: FDMetric
+    novelty: float
+    diameter: int
+
+
+def discover(
+    paths: Sequence[np.ndarray], graph: TransitionGraph, known_subgoals: Sequence[int], cover_radius: int
+) -> Discovery:
+    """Compute both metrics for the loop-erased paths of a task.
+
+    Parameters
+    ----------
+    paths : sequence of int arrays
+        Loop-erased paths of the first T successful episodes, as states.
+    graph : TransitionGraph
+        The transitions seen in the task.
+    known_subgoals : sequence of int
+        Subgoals of the library before this task.
+    cover_radius : int
+        r, steps around a stored subgoal that count as known.
+    """
+    covered = covered_states(graph, known_subgoals, cover_radius)
+    rests = [cut_known(path, covered) for path in paths]
+    return Discovery(
+        original=fd_metric(paths, graph.n_states),
+        incremental=fd_metric(rests, graph.n_states),
+        novelty=float(np.mean([len(rest) - 1 for rest in rests])) if rests else 0.0,
+        diameter=graph.diameter(),
+    )

@@ -1,1 +1,0 @@
-"""The subcommands of ``ptl``, one file each; ``ptl.cli`` loads only the one that is called."""

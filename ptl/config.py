@@ -1,0 +1,292 @@
+"""The configuration: every key with its default, its range, where the default comes from and a sentence on it.
+
+The classes below are the only place that says so. The checks of the run, of the robustness study and of single jobs,
+the defaults of jobs and ``config/README.md`` all follow from them. To add a key, add a field and use it.
+
+A mark says where a default comes from: the text of the article (`STATED`), a cited work or a public re-implementation
+of it (`FV`), or this reconstruction (`CHOSEN`); ``docs/reconstruction.md`` gives the reasons.
+"""
+
+from collections.abc import Collection, Mapping
+from typing import Annotated, Literal, Self
+
+import msgspec
+from msgspec import Meta
+
+from ptl.errors import UserError
+from ptl.keys import ConfigurationError, Group, key, repeated, shortened, text
+
+STATED, CHOSEN = "stated", "chosen"
+FV = "source (Fernandez and Veloso)"
+
+RUN_NAME = text("[A-Za-z0-9][A-Za-z0-9_-]*", "letters, digits, _ and -, not starting with _ or -")
+NAME = text("[a-z][a-z0-9_]*", "lower-case letters, digits and _, starting with a letter")
+NAME_OR_NONE = text("([a-z][a-z0-9_]*)?", "the name of an environment")
+TITLE = text(r"[^{}\x00-\x1f\x7f]*", "text without braces and control characters", 200)
+PATH = text(r"[^-{}\x00-\x1f\x7f][^{}\x00-\x1f\x7f]*", "a path without braces, not starting with -", 1000)
+TASKS = text("[A-HJ-Z]*", "capital letters other than I", 25)
+
+Name = Annotated[str, key("", **NAME)]
+
+
+# -- hyper-parameters of learning
+
+
+class Learning(Group, frozen=True, kw_only=True):
+    """Tabular Q-learning."""
+
+    episodes: Annotated[int, key("Episodes of each task.", CHOSEN, ge=1, le=10**6)] = 200
+    alpha: Annotated[float, key("Learning rate.", FV, gt=0, le=1)] = 0.05
+    gamma: Annotated[float, key("Discount per step.", FV, gt=0, le=1)] = 0.95
+    epsilon: Annotated[float, key("Probability of a uniformly random action.", CHOSEN, ge=0, le=1)] = 0.1
+    max_steps: Annotated[
+        int, key("Steps after which an episode is truncated and counted as unsuccessful.", CHOSEN, ge=1, le=10**12)
+    ] = 10**7
+
+
+class Skills(Group, frozen=True, kw_only=True):
+    """Selection and use of skills (PTL)."""
+
+    prior_form: Annotated[
+        Literal["exponential", "gaussian", "uniform"],
+        key("Form of the prior over the distance between subgoal and goal.", CHOSEN),
+    ] = "exponential"
+    prior_width: Annotated[
+        float, key("sigma, width of the prior as a share of the map's diagonal.", CHOSEN, gt=0, le=1000)
+    ] = 0.1
+    likelihood_exponent: Annotated[
+        float, key("kappa, exponent of the performance in the likelihood.", CHOSEN, ge=0, le=100)
+    ] = 2.0
+    likelihood_weight: Annotated[
+        float, key("beta, weight of the newest episode in the moving average of the performance.", CHOSEN, gt=0, le=1)
+    ] = 0.5
+    patience: Annotated[
+        float,
+        key("Steps of exploration before a skill is drawn again, in numbers of states.", CHOSEN, gt=0, le=10**6),
+    ] = 1.0
+    patience_growth: Annotated[
+        float, key("Factor on the patience at every further draw in an episode.", CHOSEN, ge=1, le=1000)
+    ] = 2.0
+    skill_use: Annotated[
+        Literal["reselect", "lead_in"],
+        key("Draw again when patience runs out, or draw once and then explore without limit.", CHOSEN),
+    ] = "reselect"
+    null_skill: Annotated[
+        bool, key('Whether "no guidance" stays a candidate once the library holds a skill.', CHOSEN)
+    ] = True
+
+
+class Subgoals(Group, frozen=True, kw_only=True):
+    """Discovery of subgoals and update of the library."""
+
+    trajectories: Annotated[
+        int, key("T, successful episodes of a task that the FD metric looks at.", CHOSEN, ge=1, le=10**6)
+    ] = 30
+    cover_radius: Annotated[
+        int, key("r, steps around a stored subgoal that count as known.", CHOSEN, ge=0, le=10**6)
+    ] = 2
+    novelty: Annotated[
+        float,
+        key(
+            "rho, least mean length of the unknown rests as a share of the visited part's diameter.", CHOSEN, ge=0, le=1
+        ),
+    ] = 0.2
+    threshold: Annotated[float, key("theta, least incremental metric of a new subgoal.", CHOSEN, ge=0, le=1)] = 0.2
+
+
+class PolicyReuse(Group, frozen=True, kw_only=True):
+    """PRQ-learning."""
+
+    psi: Annotated[float, key("Probability of following the past policy in the first step.", FV, ge=0, le=1)] = 1.0
+    psi_decay: Annotated[float, key("upsilon, factor on that probability at every step.", FV, ge=0, lt=1)] = 0.95
+    temperature: Annotated[float, key("tau of the first episode.", FV, ge=0, le=10**6)] = 0.0
+    temperature_step: Annotated[float, key("Growth of tau after every episode.", FV, ge=0, le=10**6)] = 0.05
+
+
+class Parameters(Group, frozen=True, kw_only=True):
+    """All hyper-parameters of learning: what a method depends on."""
+
+    learning: Learning = Learning()
+    skills: Skills = Skills()
+    subgoals: Subgoals = Subgoals()
+    policy_reuse: PolicyReuse = PolicyReuse()
+
+    @classmethod
+    def from_json(cls, text: str) -> Self:
+        """Build from JSON, as a job gets it on its command line."""
+        try:
+            given = msgspec.json.decode(text)
+        except msgspec.DecodeError as error:
+            raise UserError(
+                f"parameters: {shortened(text)} is not JSON ({error});"
+                """ give groups of the configuration such as {"learning": {"episodes": 300}}"""
+            ) from None
+        return cls.from_dict(given)
+
+
+# -- the run
+
+
+class ArticleItems(Group, frozen=True, kw_only=True, omit_defaults=True):
+    """Numbers of the article's items that show an environment; other environments leave them out."""
+
+    map: Annotated[Literal["figure05", "figure06", "figure07"] | None, key("Figure with the map.")] = None
+    discovery: Annotated[
+        Literal["figure09", "figure10", "figure11"] | None, key("Figure with the subgoal discovery metrics.")
+    ] = None
+    prior: Annotated[Literal["figure03"] | None, key("Given to the environment whose map shows the prior.")] = None
+    measures: Annotated[
+        Literal["figure13"] | None, key("Given to the environment whose curves show the measures of transfer.")
+    ] = None
+
+
+class Environment(Group, frozen=True, kw_only=True):
+    """A map and its tasks."""
+
+    map: Annotated[str, key("Text file of the map, relative to the folder in which the workflow runs.", **PATH)]
+    title: Annotated[str, key("Name in captions and figures; the environment's own name if empty.", **TITLE)] = ""
+    tasks: Annotated[
+        str,
+        key(
+            "Goal letters in the order in which they are learned, alphabetical for the article's environments;"
+            " all goals of the map in alphabetical order if empty.",
+            STATED,
+            **TASKS,
+        ),
+    ] = ""
+    discovery_tasks: Annotated[
+        str, key("Tasks that the figure of subgoal discovery shows; the last three if empty.", **TASKS)
+    ] = ""
+    article_items: ArticleItems = ArticleItems()
+
+
+class Measures(Group, frozen=True, kw_only=True):
+    """Measures of transfer."""
+
+    window: Annotated[
+        int,
+        key(
+            "Episodes whose mean is the asymptotic performance and is compared with the threshold.",
+            CHOSEN,
+            ge=1,
+            le=10**6,
+        ),
+    ] = 10
+    threshold_factor: Annotated[
+        float, key("The threshold as a multiple of the shortest path.", CHOSEN, ge=1, le=10**6)
+    ] = 1.5
+
+
+class Statistics(Group, frozen=True, kw_only=True):
+    """Uncertainty."""
+
+    confidence: Annotated[float, key("Confidence level of every interval.", gt=0, lt=1)] = 0.95
+    resamples: Annotated[int, key("Bootstrap resamples.", ge=100, le=10**6)] = 2000
+
+
+class Growth(Group, frozen=True, kw_only=True):
+    """Growth of the skill library."""
+
+    environment: Annotated[str, key("Environment whose map is used; the last one if empty.", **NAME_OR_NONE)] = ""
+    tasks: Annotated[int, key("Tasks with random start and goal in one life.", STATED, ge=2, le=10**5)] = 30
+    runs: Annotated[int, key("Lives, each with a fresh library.", STATED, ge=1, le=10**5)] = 30
+    breakpoint: Annotated[int, key("Number of tasks after which growth slows down.", STATED, ge=1, le=10**5)] = 7
+
+
+class SubgoalFrequencies(Group, frozen=True, kw_only=True):
+    """Subgoals over all pairs of start and goal."""
+
+    trajectories: Annotated[int, key("Successful episodes of each pair's task.", CHOSEN, ge=1, le=10**6)] = 30
+    starts: Annotated[
+        Literal["all"] | Annotated[int, Meta(ge=1, le=10**6)],
+        key("All start states, or the size of a random sample of them (for a quick look only)."),
+    ] = "all"
+    batches: Annotated[
+        int,
+        key(
+            "Jobs that an environment's start states are shared out to; the counts do not depend on it.", ge=1, le=1000
+        ),
+    ] = 8
+
+
+class Robustness(Group, frozen=True, kw_only=True):
+    """The robustness study, run by `snakemake robustness`."""
+
+    study: Annotated[str, key("File with the settings of the study.", **PATH)] = "config/robustness.yaml"
+
+
+class Configuration(Parameters, frozen=True, kw_only=True):
+    """The configuration of a run."""
+
+    run: Annotated[
+        str, key("Name of the run; results go to results/<run>/ and products to reports/<run>/.", **RUN_NAME)
+    ]
+    root_seed: Annotated[int, key("Seed from which every random stream of the run derives.", ge=0, le=2**63 - 1)] = 2019
+    seeds: Annotated[int, key("Learning runs per environment and method.", STATED, ge=1, le=10**5)] = 30
+    methods: Annotated[
+        list[Name],
+        key(
+            "Methods to compare.",
+            wanted="a list of one or more names of files in ptl/methods/, each once",
+            min_length=1,
+        ),
+    ]
+    environments: Annotated[
+        dict[Name, Environment],
+        key(
+            "Environments by name, in the order in which tables and figures show them.",
+            wanted="one or more names, each with its keys",
+            min_length=1,
+        ),
+    ]
+    measures: Measures = Measures()
+    statistics: Statistics = Statistics()
+    growth: Growth = Growth()
+    subgoal_frequencies: SubgoalFrequencies = SubgoalFrequencies()
+    robustness: Robustness = Robustness()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if twice := repeated(self.methods):
+            raise ConfigurationError("methods", f"{twice[0]} is repeated; name a method once")
+        if self.measures.window > self.learning.episodes:
+            raise ConfigurationError(
+                "measures.window",
+                f"{self.measures.window} must not exceed learning.episodes ({self.learning.episodes})",
+            )
+        if self.growth.tasks <= self.growth.breakpoint:
+            raise ConfigurationError(
+                "growth.tasks", f"{self.growth.tasks} must exceed growth.breakpoint ({self.growth.breakpoint})"
+            )
+        if self.growth.environment and self.growth.environment not in self.environments:
+            raise ConfigurationError.of_value(
+                "growth.environment", self.growth.environment, f"one of {', '.join(self.environments)}"
+            )
+        _check_article_items(self.environments)
+
+
+def _check_article_items(environments: Mapping[str, Environment]) -> None:
+    shown: dict[str, str] = {}
+    for name, environment in environments.items():
+        for kind, item in environment.article_items.to_dict().items():
+            key = f"environments.{name}.article_items.{kind}"
+            if item in shown:
+                raise ConfigurationError(key, f"{item} is already {shown[item]}; give an item to one environment")
+            shown[item] = key
+
+
+def check_tasks(tasks: str, goals: Collection[str], key: str = "tasks") -> None:
+    """Refuse tasks that are not goals of a map, that are repeated, or none at all.
+
+    Parameters
+    ----------
+    tasks : str
+        Goal letters in the order in which they are learned.
+    goals : collection of str
+        Goal letters of the map.
+    key : str
+        Name of the key in the message.
+    """
+    wanted = f"one or more of {''.join(goals)}, each once"
+    if not tasks or repeated(tasks) or set(tasks) - set(goals):
+        raise ConfigurationError.of_value(key, tasks, wanted)

@@ -1,0 +1,1 @@
+"""What a run keeps: whole files with their origin, read and checked in one place."""

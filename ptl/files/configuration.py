@@ -1,0 +1,119 @@
+"""Configuration files: their text, and what depends on the maps that they name."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import yaml
+
+from ptl import methods
+from ptl.config import Configuration, Environment, check_tasks
+from ptl.errors import UserError
+from ptl.keys import ConfigurationError
+from ptl.learning.method_check import check_method
+from ptl.world.gridworld import load_map
+
+DEEPEST = 20
+"""Levels of nesting that a configuration file may have; the keys need four."""
+
+
+def completed(config: Mapping[str, Any]) -> Configuration:
+    """Check a configuration and fill in all that it leaves open.
+
+    Environments that are null are left out: a file laid over another one can take its environments away. The article's
+    environments come first, whatever order the files were merged in.
+
+    Raises
+    ------
+    UserError
+        One line that names the key, the value and the constraint.
+    """
+    if isinstance(environments := config.get("environments"), Mapping):
+        kept = {name: entry for name, entry in environments.items() if entry is not None}
+        config = {**config, "environments": kept}
+    configuration = Configuration.from_dict(config)
+    for identifier in configuration.methods:
+        if identifier not in methods.names():
+            raise ConfigurationError(
+                "methods", f"unknown method {identifier!r}; known are {', '.join(methods.names())}"
+            )
+        check_method(identifier)
+    entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}
+    names = sorted(entries, key=lambda name: entries[name].article_items.map or "~")
+    growth = configuration.growth
+    return msgspec.structs.replace(
+        configuration,
+        environments={name: entries[name] for name in names},
+        growth=msgspec.structs.replace(growth, environment=growth.environment or names[-1]),
+    )
+
+
+def _completed_entry(name: str, entry: Environment) -> Environment:
+    goals = load_map(entry.map).goals
+    tasks = entry.tasks or "".join(goals)
+    check_tasks(tasks, goals, f"environments.{name}.tasks")
+    discovery_tasks = entry.discovery_tasks or tasks[-3:]
+    check_tasks(discovery_tasks, list(tasks), f"environments.{name}.discovery_tasks")
+    return msgspec.structs.replace(entry, title=entry.title or name, tasks=tasks, discovery_tasks=discovery_tasks)
+
+
+def read_yaml(path: str | Path) -> dict[str, Any]:
+    """Read a configuration file, unless it cannot be read in one way only.
+
+    YAML readers keep the last of equal keys without a message.
+
+    Raises
+    ------
+    UserError
+        One line that names the file and the key or the line: unreadable, not YAML, a key given twice, an alias, or
+        nested too deep.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        _refuse_bombs(text, path)
+        root = yaml.compose(text, Loader=yaml.SafeLoader)
+        if not isinstance(root, yaml.MappingNode):
+            raise UserError(f"{path}: holds no keys; write 'key: value' lines (config/README.md describes them)")
+        _refuse_repeated_keys(root, str(path), "")
+        return yaml.safe_load(text)
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save it as plain text") from error
+    except OSError as error:
+        raise UserError(f"{path}: cannot be read ({error.strerror}); check the path") from error
+    except (yaml.YAMLError, ValueError) as error:  # a ValueError: a date or a number that does not exist
+        mark = getattr(error, "problem_mark", None)
+        where = f"line {mark.line + 1}: " if mark else ""
+        what = getattr(error, "problem", None) or getattr(error, "reason", error)
+        raise UserError(f"{path}: {where}is not YAML ({what}); correct it there") from error
+
+
+def _refuse_bombs(text: str, path: str | Path) -> None:
+    """Refuse what would take a reader for ever: aliases, which multiply, and deep nesting."""
+    depth = 0
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        line = event.start_mark.line + 1
+        if isinstance(event, yaml.AliasEvent):
+            raise UserError(f"{path}: line {line}: *{event.anchor} is an alias; write the value out")
+        depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+        if depth > DEEPEST:
+            raise UserError(f"{path}: line {line}: nested more than {DEEPEST} deep; correct it there")
+
+
+def _refuse_repeated_keys(node: yaml.Node, path: str, parent: str) -> None:
+    if isinstance(node, yaml.SequenceNode):
+        for entry in node.value:
+            _refuse_repeated_keys(entry, path, parent)
+    elif isinstance(node, yaml.MappingNode):
+        seen: dict[str, int] = {}
+        for name, value in node.value:
+            line = name.start_mark.line + 1
+            if not isinstance(name, yaml.ScalarNode):
+                raise UserError(f"{path}: line {line}: a key must be a word; correct it there")
+            key = f"{parent}{name.value}"
+            if name.value in seen:
+                raise UserError(f"{path}: key {key} is given in lines {seen[name.value]} and {line}; keep one of them")
+            seen[name.value] = line
+            _refuse_repeated_keys(value, path, f"{key}.")

@@ -1,0 +1,104 @@
+"""Source digests, for reruns: exactly the sources that a module uses.
+
+The workflow puts these digests into its rules' parameters, so that editing a plot reruns that plot and nothing else,
+while editing the kernel reruns all learning.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
+from ptl.errors import UserError
+
+PACKAGE = Path(__file__).parent.parent
+EXTENSIONS = {
+    "ptl.agent._kernel": ("agent/_kernel.pyx", "agent/_kernel.pxd"),
+    "ptl.world._graph": ("world/_graph.pyx",),
+    "ptl.learning._survey": ("learning/_survey.pyx", "agent/_kernel.pyx", "agent/_kernel.pxd"),
+}
+"""Sources of each compiled module, in the order in which setup.py digests them."""
+
+FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.page": "report/explorer/web"}
+"""Folders whose files a module reads; they count as its sources."""
+
+IMPORT = re.compile(r"^[ \t]*(?:from (ptl(?:\.\w+)*) import (\([^)]*\)|.*)|import (ptl(?:\.\w+)*))", re.MULTILINE)
+"""Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
+
+
+@cache
+def code_digest(*modules: str) -> str:
+    """Return the sha256 (first 16 hex digits) of the sources of modules and of all that they import from this package.
+
+    Sources are read once in a process.
+
+    Parameters
+    ----------
+    modules : str
+        Names such as ``"ptl.methods.ptl"``.
+    """
+    closure: set[Path] = set()
+    for module in modules:
+        closure |= _closure(module)
+    digest = hashlib.sha256()
+    for path in sorted(closure):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def _closure(module: str) -> set[Path]:
+    found: set[Path] = set()
+    waiting = [module]
+    seen = {module}
+    while waiting:
+        name = waiting.pop()
+        sources, imported = _sources_and_imports(name)
+        found.update(sources)
+        new = imported - seen
+        seen |= new
+        waiting.extend(new)
+    return found
+
+
+@cache
+def _sources_and_imports(module: str) -> tuple[tuple[Path, ...], frozenset[str]]:
+    if module in EXTENSIONS:
+        return tuple(PACKAGE / name for name in EXTENSIONS[module]), frozenset()
+    path = PACKAGE.joinpath(*module.split(".")[1:])
+    path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    imported: set[str] = set()
+    for origin, listed, whole in IMPORT.findall(path.read_text(encoding="utf-8")):
+        if whole:
+            imported.add(whole)
+        for alias in re.findall(r"(\w+)(?: as \w+)?", re.sub(r"#.*", "", listed)):
+            name = f"{origin}.{alias}"
+            imported.add(name if _is_module(name) else origin)
+    folder = FOLDERS.get(module)
+    files = sorted(file for file in (PACKAGE / folder).iterdir() if file.is_file()) if folder else []
+    return (path, *files), frozenset(imported)
+
+
+def _is_module(name: str) -> bool:
+    path = PACKAGE.joinpath(*name.split(".")[1:])
+    return name in EXTENSIONS or path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
+
+
+def check_build() -> None:
+    """Refuse compiled modules that were built from other sources than the present ones.
+
+    Raises
+    ------
+    UserError
+        Naming the module and the command that rebuilds it.
+    """
+    for module, sources in EXTENSIONS.items():
+        try:
+            built = import_module(module).SOURCE_DIGEST
+        except ImportError as error:
+            raise UserError(f"{module} is not built ({error}); run 'make build'") from error
+        present = hashlib.sha256(b"".join((PACKAGE / name).read_bytes() for name in sources)).hexdigest()
+        if built != present:
+            raise UserError(f"{module} was built from other sources than {', '.join(sources)}; run 'make build'")

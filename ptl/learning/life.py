@@ -1,0 +1,176 @@
+"""A life: tasks one after another under one method, with subgoal discovery after each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ptl import methods
+from ptl.agent import seeding
+from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.skills import SkillLibrary, Update
+from ptl.agent.subgoals import Discovery, discover
+from ptl.config import Parameters
+from ptl.errors import UserError
+from ptl.methods._base import BaseMethod
+from ptl.world.gridworld import GridWorld
+from ptl.world.transitions import TransitionGraph
+
+
+@dataclass(frozen=True)
+class Task:
+    """A navigation task: reach ``goal`` from ``start`` (states)."""
+
+    name: str
+    start: int
+    goal: int
+
+
+@dataclass(frozen=True)
+class TaskRecord:
+    """All that is kept of one learned task.
+
+    Attributes
+    ----------
+    task : Task
+    q : float64 array, shape (n_states, 4)
+        Final action values.
+    seen : uint8 array, shape (n_states,)
+        Bit a is set if action a was taken in the state.
+    steps : int64 array, shape (episodes,)
+        Steps of each episode, guided ones included.
+    truncated : bool array, shape (episodes,)
+        Whether the episode ran into the step limit.
+    selected : list of lists of int
+        Skills or arms drawn in each episode (0 is the null skill or the new policy).
+    discovery : Discovery
+    update : Update
+        What the library did after the task; methods without a library add nothing.
+    """
+
+    task: Task
+    q: np.ndarray
+    seen: np.ndarray
+    steps: np.ndarray
+    truncated: np.ndarray
+    selected: list[list[int]]
+    discovery: Discovery
+    update: Update
+
+
+@dataclass(frozen=True)
+class Life:
+    """The records of all tasks in order, and the library at the end (None if the method keeps none)."""
+
+    records: list[TaskRecord]
+    library: SkillLibrary | None
+
+
+def tasks_of(world: GridWorld, letters: str) -> list[Task]:
+    """Return the tasks of a map: from its start to each goal letter in the order given."""
+    return [Task(letter, world.start, world.goal(letter)) for letter in letters]
+
+
+def learn_task(
+    world: GridWorld,
+    dynamics: Dynamics,
+    task: Task,
+    method: BaseMethod,
+    parameters: Parameters,
+    steps_stream: np.random.BitGenerator,
+    task_index: int = 0,
+) -> TaskRecord:
+    """Learn one task under a method, then look for a subgoal and let the method keep what it wants.
+
+    Parameters
+    ----------
+    steps_stream : numpy.random.BitGenerator
+        Random numbers of the agent's steps.
+    task_index : int
+        Number of tasks learned before.
+
+    Raises
+    ------
+    UserError
+        If the method ends an episode before the goal and before the step limit, or returns no list of draws.
+    """
+    learning = parameters.learning
+    initial_q = method.begin_task(task.start, task.goal)
+    learner = Learner(
+        dynamics,
+        task.goal,
+        steps_stream,
+        alpha=learning.alpha,
+        gamma=learning.gamma,
+        epsilon=learning.epsilon,
+        max_steps=learning.max_steps,
+        initial_q=initial_q,
+    )
+    steps = np.empty(learning.episodes, dtype=np.int64)
+    truncated = np.empty(learning.episodes, dtype=bool)
+    selected = []
+    paths: list[np.ndarray] = []
+    for episode in range(learning.episodes):
+        learner.begin_episode(task.start)
+        selected.append(_checked_draws(method, method.run_episode(learner)))
+        if not (learner.at_goal or learner.truncated):
+            raise UserError(
+                f"method {method.label!r}: run_episode returned in episode {episode + 1} of task {task.name} before the"
+                " goal; an episode ends at the goal or at the step limit learning.max_steps"
+            )
+        steps[episode] = learner.steps
+        truncated[episode] = learner.truncated
+        if learner.at_goal and len(paths) < parameters.subgoals.trajectories:
+            paths.append(learner.erased_path())
+
+    library = method.library
+    graph = TransitionGraph(world.successors, learner.seen)
+    known = library.subgoals if library is not None else []
+    discovery = discover(paths, graph, known, parameters.subgoals.cover_radius)
+    update = Update(-1, "the method keeps no library")
+    if library is not None:
+        update = library.update(discovery, graph, task_index)
+    method.end_task(learner)
+    return TaskRecord(task, learner.q.copy(), learner.seen, steps, truncated, selected, discovery, update)
+
+
+def _checked_draws(method: BaseMethod, drawn: Any) -> list[int]:
+    if isinstance(drawn, list) and all(isinstance(number, (int, np.integer)) for number in drawn):
+        return drawn
+    raise UserError(
+        f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), not {drawn!r}"
+    )
+
+
+def learn_life(
+    world: GridWorld,
+    tasks: Iterable[Task],
+    method: str | methods.Maker,
+    parameters: Parameters,
+    root_seed: int,
+    *stream_names: str | int,
+) -> Life:
+    """Learn tasks in order under one method.
+
+    The random streams are named by the method, ``stream_names`` (say, environment and seed) and the task's place, so
+    nothing depends on other jobs.
+
+    Parameters
+    ----------
+    method : str, type or function
+        Reference, class or factory of the method, see `ptl.methods`.
+    """
+    names = (methods.identifier(method), *stream_names)
+    make = methods.load(method) if isinstance(method, str) else method
+    dynamics = Dynamics(world.successors)
+    agent = make(world, parameters, seeding.generator(root_seed, *names, "choices"))
+    records = [
+        learn_task(
+            world, dynamics, task, agent, parameters, seeding.bit_generator(root_seed, *names, "steps", index), index
+        )
+        for index, task in enumerate(tasks)
+    ]
+    return Life(records, agent.library)

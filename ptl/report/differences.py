@@ -1,0 +1,47 @@
+"""The article's statements beside the run's numbers, from the ledger alone."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from ptl.report.table import Table, text_table
+from ptl.study.claims.verdict import Outcome
+from ptl.text import estimate
+
+SHOWN = 6
+"""Comparisons that are written out of one claim; those that do not hold come first."""
+
+ORDER = [str(outcome) for outcome in (Outcome.FAILS, Outcome.OPEN, Outcome.HOLDS)]
+
+
+def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
+    """Lay out what the article says, what the run gives, and the verdict, for every claim.
+
+    Parameters
+    ----------
+    claims : DataFrame
+        Ledger: columns id, claim, verdict, evidence.
+    parts : DataFrame
+        Parts of the ledger: columns id, part, estimate, low, high, unit, demand, outcome.
+    """
+    rows = []
+    for claim in claims.to_dict("records"):
+        own = parts[parts["id"] == claim["id"]].assign(order=lambda frame: frame["outcome"].map(ORDER.index))
+        own = own.sort_values("order", kind="stable").head(SHOWN)
+        numbers = "\n".join(map(_part_text, own.to_dict("records"))) or claim["evidence"]
+        rows.append((claim["id"], claim["claim"], numbers, claim["verdict"]))
+    headings = ("claim", "the article says", "this run gives", "verdict")
+    return text_table(
+        "The article and this run",
+        "The article's statements (in our words) beside the numbers of this run, with intervals in brackets. Of claims"
+        f" with many comparisons {SHOWN} are shown, those that do not hold first; claims_parts.csv has all of them.",
+        headings,
+        rows,
+        ["The article's tables and figures are lost, so only statements of its running text can be compared."],
+        headings[1:],
+    )
+
+
+def _part_text(part: dict) -> str:
+    unit = "" if pd.isna(part["unit"]) else part["unit"]
+    return f"{part['part']}: {estimate(part['estimate'], part['low'], part['high'], unit)} ({part['outcome']})"

@@ -1,0 +1,157 @@
+"""From learning files to the data set of the page.
+
+The data set is a dictionary that JSON can hold::
+
+    actions       names of the actions
+    window        episodes of the final mean
+    methods       identifier -> {label, colour, guides}; guides: "skills", "policies" (of earlier tasks) or "none"
+    environments  list of {name, title, map, parameters, tasks (letters in order), seeds, methods (identifiers), runs}
+
+``runs`` holds for "method/seed" a dictionary {skills, tasks}; a skill is {subgoal, after (index of the task that taught
+it), policy} and a task
+
+    name, start, goal, subgoal (-1 if none was added), reason
+    steps         steps of each episode
+    truncated     episodes (from 0) that ran into the step limit
+    log10_value   log10 of max_a Q after the last episode for each state, null where it is 0
+    policy        greedy in that Q, first of equal actions
+    metric        metric by which the next subgoal was sought, for each state
+    drawn         candidates drawn in each episode (0 is no guidance)
+    chances       for each candidate its probability in each episode; null if the method draws by a rule of its own
+    first         first episode: {informed, actions, parts}, see `ptl.report.explorer.replay.Notes`
+
+Policies and actions are texts of one letter a state or step, the initial of the action, "." where undefined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ptl import methods
+from ptl.agent.policies import greedy_policy
+from ptl.agent.skills import Skill
+from ptl.errors import UserError
+from ptl.files.results import LearningFile, TaskView, open_learning
+from ptl.methods.policy_reuse import Method as PolicyReuse
+from ptl.report.explorer.replay import Notes, replay
+from ptl.world.gridworld import ACTIONS
+
+DECIMALS = 4
+"""Kept of shares and of log10 of values, which are thus right to 0.012%."""
+
+LETTERS = np.array([*(name[0].upper() for name in ACTIONS), "."])
+"""Letter of each action; the last one stands for -1, undefined."""
+
+
+def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, str] | None = None) -> dict[str, Any]:
+    """Return the data set of the page.
+
+    Parameters
+    ----------
+    paths : paths of learning files
+        Environments and methods keep the order in which they first appear.
+    window : int
+        Episodes of the final mean.
+    titles : mapping, optional
+        Title of an environment by name; the name itself when left out.
+
+    Raises
+    ------
+    UserError
+        If a file is damaged or cannot be learned again, two files disagree on map or parameters, or a method lacks a
+        seed that another one has.
+    """
+    environments: dict[str, dict[str, Any]] = {}
+    kinds: dict[str, dict[str, str]] = {}
+    for path in paths:
+        with open_learning(path) as file:
+            _add(file, environments, titles or {})
+            kinds[file.method] = _kind(file)
+    if not environments:
+        raise UserError("no learning file to show; name the files of a run")
+    _check_complete(environments.values())
+    return {
+        "actions": list(ACTIONS),
+        "window": window,
+        "methods": kinds,
+        "environments": list(environments.values()),
+    }
+
+
+def _add(file: LearningFile, environments: dict[str, dict[str, Any]], titles: Mapping[str, str]) -> None:
+    fresh = {
+        "name": file.environment,
+        "title": titles.get(file.environment, file.environment),
+        "map": file.world.text,
+        "parameters": file.parameters,
+        "tasks": list(file.tasks),
+        "seeds": [],
+        "methods": [],
+        "runs": {},
+    }
+    entry = environments.setdefault(file.environment, fresh)
+    for key in ("map", "parameters", "tasks"):
+        if entry[key] != fresh[key]:
+            raise UserError(
+                f"{file.file.filename}: its {key} differ from those of earlier files of {file.environment};"
+                " give the files of one run"
+            )
+    name = f"{file.method}/{file.seed}"
+    if name in entry["runs"]:
+        raise UserError(f"{file.file.filename}: {file.environment}/{name} is given twice; name each run once")
+    if file.method not in entry["methods"]:
+        entry["methods"].append(file.method)
+    entry["seeds"] = sorted({*entry["seeds"], file.seed})
+    entry["runs"][name] = {
+        "skills": [_skill(skill) for skill in file.library or []],
+        "tasks": [_task(task, notes) for task, notes in zip(file.tasks.values(), replay(file), strict=True)],
+    }
+
+
+def _kind(file: LearningFile) -> dict[str, str]:
+    kind = methods.load(file.method)
+    guides = "policies" if issubclass(kind, PolicyReuse) else "none" if file.library is None else "skills"
+    return {"label": kind.label, "colour": kind.colour, "guides": guides}
+
+
+def _skill(skill: Skill) -> dict[str, Any]:
+    return {"subgoal": skill.subgoal, "after": skill.learned_after, "policy": _letters(skill.policy)}
+
+
+def _task(task: TaskView, notes: Notes) -> dict[str, Any]:
+    values = task.q.max(axis=1)
+    return {
+        "name": task.name,
+        "start": task.start,
+        "goal": task.goal,
+        "subgoal": task.subgoal,
+        "reason": task.reason,
+        "steps": task.steps.tolist(),
+        "truncated": np.flatnonzero(task.truncated).tolist(),
+        "log10_value": [round(float(np.log10(value)), DECIMALS) if value else None for value in values],
+        "policy": _letters(greedy_policy(task.q)),
+        "metric": _rounded(task.incremental),
+        "drawn": [part.tolist() for part in np.split(task.selected, task.selected_offsets[1:-1])],
+        "chances": _rounded(np.transpose(notes.chances)) if notes.chances else None,
+        "first": {"informed": notes.informed, "actions": _letters(notes.actions), "parts": notes.parts},
+    }
+
+
+def _letters(actions: np.ndarray) -> str:
+    return "".join(LETTERS[actions])
+
+
+def _rounded(shares: np.ndarray) -> list[Any]:
+    return np.round(shares, DECIMALS).tolist()
+
+
+def _check_complete(environments: Iterable[dict[str, Any]]) -> None:
+    for entry in environments:
+        for seed in entry["seeds"]:
+            for method in entry["methods"]:
+                if f"{method}/{seed}" not in entry["runs"]:
+                    raise UserError(f"{entry['name']}/{method}: no file of seed {seed} among those given; name it too")

@@ -1,0 +1,188 @@
+"""The figures of the report: a row of `figures` for each, and a module that draws it.
+
+A module has a function that turns files or arrays into a tidy data frame, one that draws such a frame, and ``make``,
+which does both for a job of the workflow. A module imports only what it draws with, so that editing one figure redraws
+that figure and no other. To add a figure, write its module and add its row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
+"""Methods that the article's learning curves leave out; they would hide the others."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of the report, as the workflow knows it.
+
+    Attributes
+    ----------
+    module : str
+        Module of this package with the function ``make(job)``.
+    shows : str
+        Label in the report.
+    caption : str
+        What a reader needs to know to read it (plain text).
+    needs : tuple of str
+        Kinds of input files, by their names in `SOURCES` of ``workflow/rules/figures.smk``.
+    groups : tuple of str
+        Groups of the configuration that it depends on.
+    environments : tuple of str
+        Environments that it shows.
+    methods : tuple of str
+        Methods that it shows, in the order of the legend.
+    category : str
+        Section of the report.
+    """
+
+    module: str
+    shows: str
+    caption: str
+    needs: tuple[str, ...]
+    groups: tuple[str, ...] = ()
+    environments: tuple[str, ...] = ()
+    methods: tuple[str, ...] = ()
+    category: str = "2 Figures"
+
+
+def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
+    """Return the figures of a run by name, in the order of the report.
+
+    Parameters
+    ----------
+    config : mapping
+        The complete configuration; a figure that needs a method which is not compared is left out.
+    """
+    entries, compared = config["environments"], set(config["methods"])
+    names = tuple(entries)
+    curves = tuple(name for name in config["methods"] if name not in NO_CURVE) or tuple(config["methods"])
+    seeds, survey, growth = config["seeds"], config["subgoal_frequencies"], config["growth"]
+    level = f"{100 * config['statistics']['confidence']:g}% bootstrap interval"
+
+    rows = {
+        "figure03": Figure(
+            "prior",
+            "prior of a skill by where it ends",
+            "Prior of a skill for one goal, by the cell in which the skill ends, relative to the best cell. The article"
+            " states a heuristic on similarity with the goal; its form and width are our choice. No runs enter.",
+            needs=("maps",),
+            groups=("skills",),
+            environments=(_shown_in(entries, "prior"),),
+        ),
+        "figure04": Figure(
+            "misleading_prior",
+            "the likelihood overrules a misleading prior",
+            "A small map of our own in which the cell nearest to the goal in a straight line is behind a wall. Left,"
+            " the map with the library's subgoals; right, the probability of each skill over the episodes: mean over"
+            f" {seeds} runs of ptl with {level}.",
+            needs=("misleading_prior",),
+            groups=("statistics",),
+            methods=("ptl",),
+        ),
+        **{
+            _item(entries, name, "map"): Figure(
+                "maps",
+                f"map of {title_of(entries, name)}",
+                "The map with the start I and the goals of the tasks. docs/reconstruction.md says where each drawing"
+                " comes from.",
+                needs=("maps",),
+                environments=(name,),
+            )
+            for name in names
+        },
+        "figure08": Figure(
+            "frequencies",
+            "subgoal selection frequencies",
+            "How often each state is the subgoal of the original FD metric: tasks from"
+            f" {survey['starts']} start states to every other state, {survey['trajectories']} successful episodes of"
+            " Q-learning without transfer each. Adjacent states have no state between them and so no subgoal.",
+            needs=("survey",),
+            environments=names,
+        ),
+        **{
+            _item(entries, name, "discovery"): Figure(
+                "discovery",
+                f"subgoal discovery in {title_of(entries, name)}",
+                "The FD metric (frequency times distance) after late tasks, original and incremental, on the same"
+                f" trajectories, those of the ptl runs; mean over {seeds} seeds. Circles mark the chosen subgoals;"
+                " their area grows with the number of seeds.",
+                needs=("learning",),
+                environments=(name,),
+                methods=("ptl",),
+            )
+            for name in names
+        },
+        "figure12": Figure(
+            "curves",
+            "steps per episode on the last task",
+            f"Steps per episode on the last task of each environment: mean over {seeds} seeds and {level}, log scale."
+            " The dotted line is the shortest path.",
+            needs=("steps", "maps"),
+            groups=("statistics",),
+            environments=names,
+            methods=curves,
+        ),
+        "figure13": Figure(
+            "measures",
+            "the measures of transfer on real curves",
+            f"Three measures of transfer drawn on curves of this run (mean over {seeds} seeds): jump start, asymptotic"
+            " performance and time to threshold.",
+            needs=("steps", "maps"),
+            groups=("measures",),
+            environments=(_shown_in(entries, "measures"),),
+            methods=("no_transfer", "ptl"),
+        ),
+        "figure14": Figure(
+            "growth",
+            "growth of the skill library",
+            "Skills in the library against tasks learned, random start and goal for each task: mean over"
+            f" {growth['runs']} lives and {level}, with a fit of two slopes that meet at {growth['breakpoint']} tasks.",
+            needs=("growth",),
+            groups=("growth", "statistics"),
+        ),
+        "library_cost": Figure(
+            "library_cost",
+            "cost of a selection and size of a library",
+            "Operations of one skill selection, counted, against the size of the library, and the bytes of a library"
+            " against states and skills.",
+            needs=("selection_cost", "library_bytes"),
+        ),
+        "policy_reuse_fv": Figure(
+            "policy_reuse_experiment",
+            "gain in Fernandez and Veloso's own experiment",
+            "The experiment of Fernandez and Veloso on their own map, learned by the policy reuse of this comparison:"
+            " random starts, at most 100 steps a trial, 2000 trials on their task Ω with the policies of three sets of"
+            " earlier tasks, and plain Q-learning. Gain W is the mean discounted return over the first trials: mean of"
+            f" {seeds} seeds with {level}. Diamonds are read off a figure of the source. Known differences from the"
+            " source are listed under the table policy_reuse_fv.",
+            needs=("policy_reuse_experiment",),
+            groups=("statistics",),
+            category="5 Checks",
+        ),
+    }
+    return {name: row for name, row in rows.items() if set(row.methods) <= compared}
+
+
+def title_of(environments: Mapping[str, Any], name: str) -> str:
+    """Return the name of an environment in labels and figures."""
+    return environments[name]["title"] or name
+
+
+def item_label(name: str) -> str:
+    """Return the name of a figure for readers: ``figure09`` is Figure 09, ``map_rooms`` is Map."""
+    return f"Figure {name.removeprefix('figure')}" if name.startswith("figure") else name.partition("_")[0].capitalize()
+
+
+def _item(environments: Mapping[str, Any], name: str, kind: str) -> str:
+    """Return the article's figure of an environment, or a name made from the environment's."""
+    return environments[name]["article_items"].get(kind, f"{kind}_{name}")
+
+
+def _shown_in(environments: Mapping[str, Any], kind: str) -> str:
+    """Return the environment that the configuration names for a figure, the last one if it names none."""
+    named = [name for name, entry in environments.items() if kind in entry["article_items"]]
+    return named[0] if named else list(environments)[-1]

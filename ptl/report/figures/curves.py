@@ -1,0 +1,101 @@
+"""Figure 12: steps per episode of several methods, one panel per environment."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from ptl.report.figures import style
+from ptl.report.figures.bands import mean_band
+from ptl.report.figures.steps import StepsFile, open_steps
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from ptl.config import Statistics
+    from ptl.report.job import Job
+    from ptl.world.gridworld import GridWorld
+
+
+def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+    """Draw the curves of the last task of each environment."""
+    with open_steps(job.input.steps) as steps:
+        frame = curves(steps, job.worlds, job.last_tasks, job.methods, job.groups.statistics)
+    return draw(frame, job.titles), frame
+
+
+def curves(
+    steps: StepsFile,
+    worlds: Mapping[str, GridWorld],
+    tasks: Mapping[str, str],
+    methods: Sequence[str],
+    statistics: Statistics,
+) -> pd.DataFrame:
+    """Compute mean steps per episode over seeds with pointwise intervals.
+
+    Parameters
+    ----------
+    steps : StepsFile
+    worlds : mapping of environment name to GridWorld
+        Panels come in this order.
+    tasks : mapping of environment name to goal letter
+    methods : sequence of method identifiers
+    statistics : Statistics
+        Confidence and resamples of the intervals.
+
+    Returns
+    -------
+    DataFrame
+        Columns environment, task, method, episode (from 1), mean, ci_low, ci_high, seeds, shortest_path,
+        confidence.
+    """
+    parts = []
+    for environment, world in worlds.items():
+        task = tasks[environment]
+        shortest = world.shortest_path_length(world.start, world.goal(task))
+        for method in methods:
+            values = steps.steps(environment, method, task)
+            mean, low, high = mean_band(values, statistics.confidence, statistics.resamples)
+            part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
+            for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
+                part.insert(place, name, value)
+            parts.append(part.assign(seeds=len(values), shortest_path=shortest, confidence=statistics.confidence))
+    return pd.concat(parts, ignore_index=True)
+
+
+@style.styled
+def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
+    """Draw one panel per environment, log scale; ``titles`` gives the names to print."""
+    environments = list(dict.fromkeys(frame["environment"]))
+    columns = min(len(environments), 3)
+    rows = math.ceil(len(environments) / columns)
+    figure = style.new_figure(max(4.6 * columns, 9.5) if columns < 3 else style.SLIDE_WIDTH + 0.7, 0.9 + 5.2 * rows)
+    panels = figure.subplots(rows, columns, squeeze=False)
+    for axes in panels.flat[len(environments) :]:
+        axes.remove()
+    for axes, environment in zip(panels.flat, environments, strict=False):
+        part = frame[frame["environment"] == environment]
+        _panel(axes, part)
+        axes.set_title(f"{titles.get(environment, environment)}, task {part['task'].iloc[0]}")
+        axes.set_xlabel("episode")
+    for axes in panels[:, 0]:
+        axes.set_ylabel("steps per episode")
+    lines, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(lines, labels, loc="outside lower center", ncols=5 if columns == 3 else 3, handlelength=1.6)
+    return figure
+
+
+def _panel(axes: Axes, part: pd.DataFrame) -> None:
+    for method, curve in part.groupby("method", sort=False):
+        colour, label = style.method_look(str(method))
+        axes.fill_between(curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.22, linewidth=0)
+        axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.9, label=label)
+    shortest = part["shortest_path"].iloc[0]
+    axes.axhline(shortest, color=style.INK, linewidth=1.1, linestyle=(0, (1, 1.6)), label="shortest path", zorder=1)
+    axes.set_yscale("log")
+    axes.set_xlim(1, part["episode"].max())
+    axes.set_ylim(bottom=shortest / 1.5)

@@ -1,0 +1,183 @@
+"""Figures 9 to 11: the f*d metric of subgoal discovery, original beside incremental, task by task."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+
+from ptl.errors import UserError
+from ptl.files.results import open_learning
+from ptl.report.figures import cells, style
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ptl.files.results import TaskView
+    from ptl.report.job import Job
+    from ptl.world.gridworld import GridWorld
+
+METRICS = ("original", "incremental")
+NARROWEST, LOWEST = 2.3, 3.2
+"""Inches: least width of a panel (for its title) and least height of all (for the colour bar's label)."""
+RING = (6.0, 19.0)
+"""Diameter in points of a ring for one seed and for all seeds."""
+
+
+@dataclass(frozen=True)
+class Discoveries:
+    """The metrics of one environment: its world, and the plotted numbers as `collect` describes them."""
+
+    environment: str
+    world: GridWorld
+    frame: pd.DataFrame
+
+
+def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+    """Draw the metrics of the tasks that the configuration names, the last three by default."""
+    [(name, entry)] = job.environments.items()
+    discoveries = collect(job.input.learning, entry.discovery_tasks or entry.tasks[-3:])
+    return draw(discoveries, job.titles[name]), discoveries.frame
+
+
+def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
+    """Compute the mean of both metrics over seeds, and how many seeds chose each state.
+
+    Parameters
+    ----------
+    paths : paths of learning files
+        Seeds of one environment and one method that keeps a library.
+    tasks : sequence of str
+        Tasks to show.
+
+    Returns
+    -------
+    Discoveries
+        The frame has columns environment, method, task, metric, state, row, column, value (mean over seeds of
+        f*d, 0 to 1), chosen (seeds whose subgoal this state is) and seeds. The original metric chooses its
+        argmax, the incremental metric what was added to the library, which may be nothing.
+    """
+    sums: dict[tuple[str, str], np.ndarray] = {}
+    chosen: dict[tuple[str, str], np.ndarray] = {}
+    world: GridWorld | None = None
+    identity: tuple[str, str, str] | None = None
+    seeds = 0
+    for path in paths:
+        with open_learning(path) as file:
+            found = file.environment, file.method, file.world.text
+            if identity is None:
+                identity, world = found, file.world
+            if found != identity:
+                raise UserError(
+                    f"{path}: environment {file.environment}, method {file.method} or its map differs from"
+                    " the files before; give the seeds of one environment and one method"
+                )
+            if file.library is None:
+                raise UserError(f"{path}: method {file.method} keeps no skill library; give files of a method like ptl")
+            for task in tasks:
+                if task not in file.tasks:
+                    raise UserError(f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --tasks")
+                view = file.tasks[task]
+                for metric in METRICS:
+                    values = getattr(view, metric)
+                    sums[task, metric] = sums.get((task, metric), 0) + values
+                    counts = chosen.setdefault((task, metric), np.zeros(len(values), dtype=int))
+                    subgoal = _choice(view, metric, values)
+                    if subgoal >= 0:
+                        counts[subgoal] += 1
+        seeds += 1
+    if identity is None or world is None:
+        raise UserError("no learning file to draw; name at least one")
+    rows, columns = world.cells.T
+    parts = []
+    for (task, metric), total in sums.items():
+        part = pd.DataFrame({"state": range(world.n_states), "row": rows, "column": columns, "value": total / seeds})
+        heads = ("environment", identity[0]), ("method", identity[1]), ("task", task), ("metric", metric)
+        for place, (name, value) in enumerate(heads):
+            part.insert(place, name, value)
+        parts.append(part.assign(chosen=chosen[task, metric], seeds=seeds))
+    return Discoveries(identity[0], world, pd.concat(parts, ignore_index=True))
+
+
+def _choice(view: TaskView, metric: str, values: np.ndarray) -> int:
+    if metric == "incremental":
+        return view.subgoal
+    return int(values.argmax()) if values.max() > 0 else -1
+
+
+@style.styled
+def draw(discoveries: Discoveries, title: str) -> Figure:
+    """Draw tasks by metrics on one colour scale; rings mark chosen subgoals, larger if more seeds chose them."""
+    world, frame = discoveries.world, discoveries.frame
+    tasks = list(dict.fromkeys(frame["task"]))
+    # Wide maps get one row per task, others one column, whichever makes larger cells on a slide.
+    by_row, by_column = (len(tasks), len(METRICS)), (len(METRICS), len(tasks))
+    sides = {shape: _cell_side(world, *shape) for shape in (by_row, by_column)}
+    shape = max(sides, key=lambda shape: sides[shape])
+    side = sides[shape]
+    room = rows, columns = cells.roomy(world, side, NARROWEST, LOWEST / shape[0])
+    width = shape[1] * (side * columns + 0.25) + 1.5
+    height = shape[0] * (side * rows + 0.45) + 1.35
+    figure = style.new_figure(max(width, 8.5), height, compress=True)
+    panels = figure.subplots(*shape, squeeze=False)
+    if shape == by_column:
+        panels = panels.T
+    norm = Normalize(0, max(float(frame["value"].max()), 0.01))
+    seeds = int(frame["seeds"].iloc[0])
+    groups = dict(list(frame.groupby(["task", "metric"], sort=False)))
+    for row, task in zip(panels, tasks, strict=True):
+        for axes, metric in zip(row, METRICS, strict=True):
+            part = groups[task, metric]
+            heat = cells.draw_heat(axes, world, part["value"].to_numpy(), norm)
+            cells.draw_world(axes, world, room=room)
+            cells.draw_places(axes, world, side, goals=[task])
+            marked = part[part["chosen"] > 0]
+            cells.draw_rings(axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds))
+            axes.set_title(f"task {task}, {metric}", fontsize=15)
+            if (found := int(part["chosen"].sum())) < seeds:
+                axes.set_xlabel(f"a subgoal in {found} of {seeds} seeds", loc="left", fontsize=13)
+    bar = figure.colorbar(heat, ax=panels.ravel().tolist(), shrink=0.9, aspect=24, pad=0.015)
+    bar.set_label("metric f·d, mean over seeds")
+    bar.outline.set_visible(False)
+    figure.suptitle(
+        f"{title}: subgoal discovery, {seeds} seed{'s' if seeds > 1 else ''}",
+        x=0.09 / figure.get_figwidth(),
+        ha="left",
+        fontsize=18,
+        fontweight="bold",
+    )
+    figure.legend(handles=_ring_legend(seeds), loc="outside lower left", ncols=3, columnspacing=1.6)
+    return figure
+
+
+def _cell_side(world: GridWorld, rows: int, columns: int) -> float:
+    width = (style.SLIDE_WIDTH - 1.5) / columns - 0.25
+    height = (7.5 - 1.35) / rows - 0.45
+    return cells.cell_side(world, width, height)
+
+
+def _diameter(count: np.ndarray, seeds: int) -> np.ndarray:
+    """Return the ring diameter in points; the area grows linearly with the number of seeds."""
+    small, large = RING
+    share = (np.asarray(count, dtype=float) - 1) / max(seeds - 1, 1)
+    if seeds == 1:
+        return np.full(np.shape(share), large)
+    return np.sqrt(small**2 + share * (large**2 - small**2))
+
+
+def _ring_legend(seeds: int) -> list[Line2D]:
+    """Return rings of three sizes (dark, because the legend has no heat behind them)."""
+    counts = sorted({1, (seeds + 1) // 2, seeds})
+    words = [f"subgoal of {count} seed{'s' if count > 1 else ''}" for count in counts]
+    sizes = _diameter(np.array(counts), seeds)
+    return [
+        Line2D([], [], linestyle="none", marker="o", markersize=size, markerfacecolor="none",
+               markeredgecolor=style.INK, markeredgewidth=2, label=text)
+        for size, text in zip(sizes, words, strict=True)
+    ]  # fmt: skip

@@ -1,0 +1,56 @@
+"""The first page of the report: the question, the verdicts, and the main result."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import pandas as pd
+
+from ptl.report.templating import render
+from ptl.study.claims.verdict import Verdict
+from ptl.study.measures import BASE
+from ptl.text import estimate
+
+
+def compose(
+    claims: pd.DataFrame,
+    metrics: pd.DataFrame,
+    titles: Mapping[str, str],
+    last_tasks: Mapping[str, str],
+    labels: Mapping[str, str],
+) -> str:
+    """Compose the page as reStructuredText.
+
+    Parameters
+    ----------
+    claims : DataFrame
+        Columns id, verdict.
+    metrics : DataFrame
+        The table of estimates.
+    titles, last_tasks : mapping
+        Title and last task of each environment.
+    labels : mapping
+        Name of each method as readers see it.
+    """
+    counts = claims["verdict"].value_counts()
+    chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
+    return render(
+        "front_page.rst",
+        claims=len(claims),
+        counts=[(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
+        failing=list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
+        seeds=int(metrics["seeds"].max()),
+        heads=[f"{titles[name]}, task {task}" for name, task in last_tasks.items()],
+        rows=[
+            (label, [_ratio(chosen, (name, task, method)) for name, task in last_tasks.items()])
+            for method, label in labels.items()
+            if method != BASE
+        ],
+    )
+
+
+def _ratio(chosen: pd.DataFrame, place: tuple[str, str, str]) -> str:
+    if place not in chosen.index:
+        return "not in this run"
+    row = chosen.loc[place]
+    return "no base in this run" if pd.isna(row["mean"]) else estimate(row["mean"], row["ci_low"], row["ci_high"])

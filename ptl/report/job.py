@@ -1,0 +1,80 @@
+"""A job of the workflow, as its script sees it: files, and the groups of the configuration that it depends on."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, get_type_hints
+
+from ptl.config import Configuration, Environment
+from ptl.errors import UserError
+from ptl.world.gridworld import GridWorld, load_map
+
+GROUPS = get_type_hints(Configuration)
+"""Type of each group of the configuration."""
+
+
+@dataclass(frozen=True)
+class Job:
+    """The files and settings of one job.
+
+    Attributes
+    ----------
+    input, output : namespace
+        Files by the names that the rule gives them.
+    groups : namespace
+        Groups of the configuration (``groups.statistics.confidence``); only those that the rule passes on.
+    environments : mapping
+        Entry of the configuration of each environment, in the order of the report.
+    methods : list of str
+        Methods in the order of the report.
+    """
+
+    input: Any
+    output: Any
+    groups: SimpleNamespace
+    environments: Mapping[str, Environment]
+    methods: list[str]
+
+    @classmethod
+    def of(cls, snakemake: Any) -> Job:
+        """Read the job from the object that Snakemake gives to a script."""
+        given = dict(snakemake.params.items())
+        return cls(
+            snakemake.input,
+            snakemake.output,
+            SimpleNamespace(**{name: GROUPS[name].from_dict(group) for name, group in given.get("groups", {}).items()}),
+            {name: Environment.from_dict(entry) for name, entry in given.get("environments", {}).items()},
+            list(given.get("methods", ())),
+        )
+
+    @property
+    def worlds(self) -> dict[str, GridWorld]:
+        """The world of each environment, read from its map."""
+        return {name: load_map(entry.map) for name, entry in self.environments.items()}
+
+    @property
+    def titles(self) -> dict[str, str]:
+        """The name of each environment as readers see it."""
+        return {name: entry.title or name for name, entry in self.environments.items()}
+
+    @property
+    def last_tasks(self) -> dict[str, str]:
+        """The task that each environment teaches last."""
+        return {name: entry.tasks[-1] for name, entry in self.environments.items()}
+
+
+@contextmanager
+def running(snakemake: Any) -> Iterator[Job]:
+    """Run a script's block with stderr in the log file of the rule; end with one line and status 1 on a `UserError`."""
+    with Path(snakemake.log[0]).open("w", encoding="utf-8") as log:
+        os.dup2(log.fileno(), sys.stderr.fileno())
+    try:
+        yield Job.of(snakemake)
+    except UserError as error:
+        sys.exit(f"error: {error}")

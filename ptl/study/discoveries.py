@@ -1,0 +1,42 @@
+"""The row of the subgoal table that one learned task leaves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+
+class Found(NamedTuple):
+    """Subgoal and peaks of the metrics after one task.
+
+    Attributes
+    ----------
+    subgoal : int
+        State that the library took up, -1 for none.
+    novelty : float
+        Mean length of the unknown rest of the paths, in steps.
+    metric_value : float
+        Greatest value of the incremental metric.
+    reason : str
+        Why the library took up the subgoal or none.
+    incremental_peak, original_peak : int
+        State where either metric is greatest, the first of several, whether the library took it up or not; -1 if
+        the metric is 0 everywhere.
+    """
+
+    subgoal: int
+    novelty: float
+    metric_value: float
+    reason: str
+    incremental_peak: int
+    original_peak: int
+
+
+def found(subgoal: int, reason: str, novelty: float, incremental: np.ndarray, original: np.ndarray) -> Found:
+    """Return the row of a task; the metrics are float arrays (n_states,)."""
+    return Found(subgoal, novelty, float(np.max(incremental)), reason, _peak(incremental), _peak(original))
+
+
+def _peak(metric: np.ndarray) -> int:
+    return int(np.argmax(metric)) if np.any(metric) else -1

@@ -1,0 +1,137 @@
+"""Learn one setting of the study, all environments, methods and seeds in one process, to one raw file."""
+
+from __future__ import annotations
+
+import json
+import sys
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ptl.agent import seeding
+from ptl.config import Parameters
+from ptl.files.arrays import read_arrays, write_arrays
+from ptl.files.provenance import code_digest
+from ptl.learning.growth import METHOD as GROWTH_METHOD
+from ptl.learning.growth import random_tasks
+from ptl.learning.life import Life, TaskRecord, learn_life, tasks_of
+from ptl.study.discoveries import Found, found
+from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.variants import changed_world
+
+FORMAT = "ptl-robustness/1"
+
+STREAM = "robustness"
+"""First name of every random stream of the study, followed by the setting's."""
+
+COMPLETE = "complete"
+
+
+@dataclass
+class _Raw:
+    """Results of a setting: arrays by name, and remarks on unfinished parts."""
+
+    arrays: dict[str, np.ndarray] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+    worlds: dict[str, GridWorld] = field(default_factory=dict)
+
+
+def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
+    """Learn one setting and write its raw file.
+
+    A method that takes more than ``step_budget`` steps in one environment is given up there: the seeds that it
+    finished are kept, and the file's attribute ``status`` says so. So does it when something fails; the traceback
+    goes to stderr.
+
+    Parameters
+    ----------
+    job : mapping
+        As `ptl.study.robustness.design.job_of` makes it.
+    output : path
+        HDF5 file: ``/<environment>/<method>/`` with ``seeds`` (seeds,), ``steps`` (seeds, tasks, episodes),
+        ``truncated`` (seeds, tasks) and, where a library is kept, the fields of `ptl.study.discoveries.Found`
+        (seeds, tasks); ``/growth/library_size`` (runs, tasks + 1).
+    """
+    raw = _Raw()
+    try:
+        parameters = Parameters.from_dict(job["parameters"])
+        raw.worlds = {
+            name: changed_world(load_map(entry["map"]), entry["changes"]) for name, entry in job["environments"].items()
+        }
+        for name, entry in job["environments"].items():
+            for method in job["methods"]:
+                _learn(raw, job, name, entry["tasks"], method, parameters)
+        _grow(raw, job, parameters)
+    except Exception as error:  # a setting that fails is a result of the study, not the end of it
+        traceback.print_exc(file=sys.stderr)
+        raw.remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
+    origin = {
+        "setting": job["setting"],
+        "root_seed": job["root_seed"],
+        "job": dict(job),
+        "maps": {name: world.text for name, world in raw.worlds.items()},
+        "status": "; ".join(raw.remarks) or COMPLETE,
+        "code": code_digest("ptl.study.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]),
+    }
+    write_arrays(output, FORMAT, raw.arrays, origin)
+
+
+def _learn(
+    raw: _Raw, job: Mapping[str, Any], environment: str, letters: str, method: str, parameters: Parameters
+) -> None:
+    world = raw.worlds[environment]
+    tasks = tasks_of(world, letters)
+    lives: list[Life] = []
+    taken = 0
+    for seed in range(job["seeds"]):
+        if taken > job["step_budget"]:
+            raw.remarks.append(
+                f"{environment}, {method}: given up after {seed} of {job['seeds']} seeds and {taken} steps"
+            )
+            break
+        names = (STREAM, job["setting"], environment, seed)
+        lives.append(learn_life(world, tasks, method, parameters, job["root_seed"], *names))
+        taken += int(sum(record.steps.sum() for record in lives[-1].records))
+    raw.arrays.update({f"{environment}/{method}/{name}": array for name, array in _arrays(lives).items()})
+
+
+def _arrays(lives: list[Life]) -> dict[str, np.ndarray]:
+    records = [life.records for life in lives]
+    arrays = {
+        "seeds": np.arange(len(lives)),
+        "steps": np.array([[record.steps for record in row] for row in records]),
+        "truncated": np.array([[np.count_nonzero(record.truncated) for record in row] for row in records]),
+    }
+    if lives[0].library is not None:
+        rows = [[_found(record) for record in row] for row in records]
+        for name in Found._fields:
+            values = np.array([[getattr(cell, name) for cell in row] for row in rows])
+            arrays[name] = values.astype(bytes) if values.dtype.kind == "U" else values
+    return arrays
+
+
+def _found(record: TaskRecord) -> Found:
+    metrics = (record.discovery.incremental.product, record.discovery.original.product)
+    return found(record.update.subgoal, record.update.reason, record.discovery.novelty, *metrics)
+
+
+def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:
+    environment = job["growth"]["environment"]
+    world = raw.worlds[environment]
+    sizes = []
+    for run in range(job["growth"]["runs"]):
+        names = (STREAM, job["setting"], "growth", environment, run)
+        tasks = random_tasks(world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks"))
+        life = learn_life(world, tasks, GROWTH_METHOD, parameters, job["root_seed"], *names)
+        sizes.append(np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])]))
+    raw.arrays["growth/library_size"] = np.array(sizes)
+
+
+def read_setting(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
+    """Read the arrays by name and the attributes of a raw file (``job`` and ``maps`` decoded)."""
+    arrays, origin = read_arrays(path, FORMAT)
+    return arrays, {**origin, "job": json.loads(origin["job"]), "maps": json.loads(origin["maps"])}

@@ -1,0 +1,51 @@
+"""Numbers as readers see them: one form for a value, wherever it is printed."""
+
+from __future__ import annotations
+
+import math
+from numbers import Integral
+
+MINUS = "−"
+MISSING = "–"
+"""Stands for a value that does not exist."""
+
+
+def number(value: float) -> str:
+    """Format a number.
+
+    Whole numbers (``int``) keep all digits; others keep four significant digits, but never more than three decimals
+    unless they would vanish. Thousands are separated by commas: 302833 -> 302,833; 15261.3 -> 15,260; 0.88662 -> 0.887.
+    """
+    if isinstance(value, Integral):
+        return _signed(f"{int(value):,}")
+    if not math.isfinite(value):
+        return MISSING if math.isnan(value) else _signed("∞" if value > 0 else "-∞")
+    if value == 0:
+        return "0"
+    place = 3 - math.floor(math.log10(abs(value)))
+    if abs(value) >= 0.001:
+        place = min(place, 3)
+    rounded = round(value, place)
+    text = f"{rounded:,.{max(place, 0)}f}"
+    return _signed(text.rstrip("0").rstrip(".") if "." in text else text)
+
+
+def percent(share: float) -> str:
+    """Format a share of 1 as a percentage: 0.95 -> 95%."""
+    return f"{number(100 * share)}%"
+
+
+def interval(low: float, high: float) -> str:
+    """Format the ends of an interval; empty if there is none."""
+    return "" if math.isnan(low) or math.isnan(high) else f"[{number(low)}, {number(high)}]"
+
+
+def estimate(value: float, low: float, high: float, unit: str = "") -> str:
+    """Format a value with its interval and unit: 81% [74, 85]; an interval of no width is left out."""
+    shown = number(value) + ("%" if unit == "%" else "")
+    limits = "" if low == value == high else interval(low, high)
+    return " ".join(part for part in (shown, limits, "" if unit == "%" else unit) if part)
+
+
+def _signed(text: str) -> str:
+    return MINUS + text[1:] if text.startswith("-") else text

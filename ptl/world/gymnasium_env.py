@@ -1,0 +1,76 @@
+"""A map as a Gymnasium environment.
+
+Needs the optional extra ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
+0 elsewhere; a move into a wall leaves the agent where it is.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium import spaces
+
+from ptl.world.gridworld import GridWorld
+
+
+class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
+    """One navigation task on a map.
+
+    Parameters
+    ----------
+    world : GridWorld
+    goal : str
+        Letter of the goal.
+    random_start : bool
+        Start each episode on a random state other than the goal instead of on ``I``.
+    render_mode : {"ansi"}, optional
+        ``render`` then returns the map as text with the agent as ``@``.
+
+    Notes
+    -----
+    Observations are states (0 .. n_states - 1), actions 0 .. 3 are north, south, west, east. There is no step limit;
+    wrap the environment in ``gymnasium.wrappers.TimeLimit`` for one.
+    """
+
+    metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
+
+    def __init__(
+        self, world: GridWorld, goal: str, *, random_start: bool = False, render_mode: str | None = None
+    ) -> None:
+        if render_mode is not None and render_mode not in self.metadata["render_modes"]:
+            raise ValueError(f"render_mode must be one of {self.metadata['render_modes']}, not {render_mode!r}")
+        self.world = world
+        self.goal = world.goal(goal)
+        self.random_start = random_start
+        self.render_mode = render_mode
+        self.observation_space = spaces.Discrete(world.n_states)
+        self.action_space = spaces.Discrete(4)
+        self._state = world.start
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.int64, dict[str, Any]]:
+        """Put the agent on the start; ``seed`` sets the random starts."""
+        super().reset(seed=seed)
+        self._state = self.world.start
+        if self.random_start:
+            drawn = int(self.np_random.integers(self.world.n_states - 1))
+            self._state = drawn + (drawn >= self.goal)
+        return np.int64(self._state), {}
+
+    def step(self, action: np.int64) -> tuple[np.int64, float, bool, bool, dict[str, Any]]:
+        """Move; return state, reward, terminated, truncated (always False) and an empty dictionary."""
+        self._state = int(self.world.successors[self._state, action])
+        terminated = self._state == self.goal
+        return np.int64(self._state), float(terminated), terminated, False, {}
+
+    def render(self) -> str | None:  # type: ignore[override]
+        """Return the map as text with the agent as ``@``, if the environment was made with ``render_mode="ansi"``."""
+        if self.render_mode is None:
+            return None
+        rows = [list(row) for row in self.world.text.splitlines()]
+        row, column = self.world.cells[self._state]
+        rows[row][column] = "@"
+        return "\n".join(map("".join, rows))

@@ -1,0 +1,68 @@
+"""Skill selection against values worked out by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ptl.agent.selection import SkillSelection, prior
+
+CELLS = np.array([(0, 0), (0, 4), (3, 0)])
+
+
+def test_prior_by_hand():
+    # Goal at (0, 0), L = 10, sigma = 0.1: distances 0, 4 and 3 in units of 1 cell.
+    weights = np.exp([0.0, -4.0, -3.0])
+    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0), weights / weights.sum(), rtol=1e-14)
+    gaussian = np.exp([0.0, -8.0, -4.5])
+    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, "gaussian"), gaussian / gaussian.sum(), rtol=1e-14)
+    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, "uniform"), [1 / 3] * 3)
+    # Twice the width halves the exponents.
+    wide = np.exp([0.0, -2.0, -1.5])
+    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, width=0.2), wide / wide.sum(), rtol=1e-14)
+
+
+def test_prior_survives_a_far_goal():
+    far = prior(np.array([(0, 0), (10**6, 0)]), [1], 0, 1.0)
+    np.testing.assert_array_equal(far, [1.0])
+
+
+def test_prior_refuses_an_unknown_form():
+    with pytest.raises(ValueError, match="form"):
+        prior(CELLS, [0], 0, 10.0, "cauchy")
+
+
+def test_likelihood_by_hand():
+    selection = SkillSelection(np.array([0.5, 0.3, 0.2]), exponent=2.0, weight=0.5)
+    np.testing.assert_array_equal(selection.performance, [1, 1, 1])
+    np.testing.assert_allclose(selection.probabilities(), [0.5, 0.3, 0.2])
+
+    selection.record([0], 100)  # first use sets v_0 = 1/100; the unused skills take the best v so far
+    np.testing.assert_allclose(selection.performance, [0.01, 0.01, 0.01])
+    selection.record([1], 10)
+    np.testing.assert_allclose(selection.performance, [0.01, 0.1, 0.1])
+    selection.record([1], 20)  # half-way from 1/10 to 1/20
+    np.testing.assert_allclose(selection.performance, [0.01, 0.075, 0.075])
+    weights = np.array([0.5, 0.3, 0.2]) * np.array([0.01, 0.075, 0.075]) ** 2
+    np.testing.assert_allclose(selection.probabilities(), weights / weights.sum(), rtol=1e-12)
+
+
+def test_every_skill_used_is_updated_once():
+    selection = SkillSelection(np.full(3, 1 / 3))
+    selection.record([2, 1, 2], 50)
+    selection.record([2, 2], 100)
+    np.testing.assert_allclose(selection.performance, [0.02, 0.02, 0.015])
+
+
+def test_draws_follow_the_probabilities():
+    selection = SkillSelection(np.array([0.7, 0.2, 0.1]))
+    random = np.random.default_rng(5)
+    counts = np.bincount([selection.draw(random) for _ in range(20_000)], minlength=3)
+    expected = np.array([0.7, 0.2, 0.1]) * 20_000
+    assert ((counts - expected) ** 2 / expected).sum() < 13.8  # 0.1 % point of chi-square with 2 degrees
+
+
+def test_a_skill_without_probability_is_never_drawn():
+    selection = SkillSelection(np.array([0.0, 1.0]))
+    random = np.random.default_rng(5)
+    assert {selection.draw(random) for _ in range(200)} == {1}

@@ -1,0 +1,328 @@
+"""A bad configuration is refused in one line that names the key, the value and the constraint."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import re
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from projects import ROOT
+
+from ptl.cli.config_docs import MARK, json_schema, tables
+from ptl.config import Configuration
+from ptl.errors import UserError
+from ptl.files.configuration import completed, read_yaml
+from ptl.keys import Key, keys_of
+from ptl.study.robustness.design import ONE_AT_A_TIME, REFERENCE, Setting, Study, job_of, read_study
+
+PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+STUDY = yaml.safe_load((ROOT / "config/robustness.yaml").read_text())
+
+
+@pytest.fixture(autouse=True)
+def in_the_project_folder(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def changed(path: str, value: Any, config: dict[str, Any] = PUBLISHED) -> dict[str, Any]:
+    config = copy.deepcopy(config)
+    *parents, last = path.split(".")
+    entry = config
+    for parent in parents:
+        entry = entry.setdefault(parent, {})
+    entry[last] = value
+    return config
+
+
+def refusal(config: Any) -> str:
+    with pytest.raises(UserError) as caught:
+        completed(config)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 500
+    return str(caught.value)
+
+
+# -- the run
+
+
+def test_published_and_smoke_configurations_pass():
+    assert completed(PUBLISHED).run == "published"
+    smoke = yaml.safe_load((ROOT / "config/smoke.yaml").read_text())
+    assert completed({**PUBLISHED, **smoke}).learning.episodes == 40
+
+
+def test_published_configuration_names_only_what_differs_from_the_defaults():
+    defaults = {key.name: key.default for key in keys_of(Configuration)}
+    flat = {f"{group}.{key}": value for group, keys in PUBLISHED.items() if isinstance(keys, dict)
+            for key, value in keys.items()} | PUBLISHED  # fmt: skip
+    assert not [name for name, value in flat.items() if name in defaults and value == defaults[name]]
+
+
+def test_a_map_and_a_method_are_enough():
+    config = {"run": "own", "methods": ["ptl"], "environments": {"rooms": {"map": "config/environments/env2.txt"}}}
+    complete = completed(config)
+    entry = complete.environments["rooms"]
+    assert (entry.title, entry.tasks, entry.discovery_tasks) == ("rooms", "ABCDEF", "DEF")
+    assert complete.growth.environment == "rooms"
+    assert completed(complete.to_dict()) == complete
+    json.dumps(complete.to_dict(), allow_nan=False)
+
+
+def test_environments_can_be_taken_away_and_added_to():
+    own = {"map": "config/environments/env2.txt"}
+    merged = {**PUBLISHED, "environments": {"own": own, **PUBLISHED["environments"], "env1": None}}
+    assert list(completed(merged).environments) == ["env2", "env3", "own"], "the article's come first"
+    nothing = dict.fromkeys(PUBLISHED["environments"])
+    assert "environments: {} is not allowed; give one or more names" in refusal({**PUBLISHED, "environments": nothing})
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        ("seeds", 0, "configuration key seeds: 0 is not allowed; give a whole number >= 1 and <= 100,000"),
+        ("learning.alpha", -0.1, "configuration key learning.alpha: -0.1 is not allowed; give a number > 0 and <= 1"),
+        ("learning.episodes", 20.0, "configuration key learning.episodes: 20.0 is not allowed; give a whole number"),
+        ("learning.alhpa", 0.1, "configuration key learning.alhpa: unknown; known are episodes, alpha"),
+        ("learing", {}, "configuration key learing: unknown; known are"),
+        ("methods", ["ptl", "sarsa"], "unknown method 'sarsa'; known are full_transfer"),
+        ("methods", [], "configuration key methods: [] is not allowed; give a list of one or more names of files"),
+        ("methods", ["ptl", "ptl"], "configuration key methods: ptl is repeated"),
+        ("environments.env1", {}, "configuration key environments.env1.map: missing; give a path"),
+        ("environments.env1.map", "config/none.txt", "config/none.txt: cannot be read"),
+        ("environments.env1.tasks", "ABZ", "environments.env1.tasks: 'ABZ' is not allowed; give one or more of ABCDEF"),
+        ("environments.env1.tasks", "ABA", "environments.env1.tasks: 'ABA' is not allowed"),
+        ("environments.env1.tasks", "AIB", "environments.env1.tasks: 'AIB' is not allowed"),
+        ("environments.env3.tasks", "AB", "env3.discovery_tasks: 'CDEF' is not allowed; give one or more of AB"),
+        ("environments.env1.article_items.map", "figure06", "environments.env2.article_items.map: figure06 is already"),
+        ("environments.env1.article_items.map", "figure14", "give one of figure05, figure06, figure07"),
+        ("environments.Env", {"map": "m"}, "configuration key environments: 'Env' is not allowed; give lower-case"),
+        ("run", "../elsewhere", "configuration key run: '../elsewhere' is not allowed; give letters, digits, _ and -"),
+        ("run", "good\n", r"configuration key run: 'good\n' is not allowed"),
+        ("measures.window", 201, "measures.window: 201 must not exceed learning.episodes (200)"),
+        ("learning.episodes", 9, "measures.window: 10 must not exceed learning.episodes (9)"),
+        ("growth.environment", "env9", "growth.environment: 'env9' is not allowed; give one of env1, env2, env3"),
+        ("growth.tasks", 7, "configuration key growth.tasks: 7 must exceed growth.breakpoint (7)"),
+        ("subgoal_frequencies.starts", "some", "starts: 'some' is not allowed; give all or a whole number >= 1"),
+        ("statistics.confidence", 95, "configuration key statistics.confidence: 95 is not allowed; give a number > 0"),
+    ],
+)
+def test_refusals(path, value, says):
+    assert says in refusal(changed(path, value))
+
+
+def test_keys_that_are_no_text_are_refused():
+    """YAML reads `0:` as a number."""
+    assert refusal(changed("environments", {**PUBLISHED["environments"], 0: {"map": "m"}})).startswith(
+        "configuration key environments: 0 is not allowed"
+    )
+    assert "configuration key 7: unknown" in refusal({**PUBLISHED, 7: 1})
+
+
+@pytest.mark.parametrize("config", [None, [], "text", 7, {1: 2}, {"run": "a"}], ids=repr)
+def test_what_is_no_configuration_is_refused(config):
+    if isinstance(config, dict):
+        refusal(config)
+    else:
+        with pytest.raises(UserError, match="give keys and values"):
+            Configuration.from_dict(config)
+
+
+# -- every key, from its definition
+
+KEYS = [(key, key.name.replace("<name>", "env1")) for key in keys_of(Configuration)]
+NAMES = [name for _, name in KEYS]
+
+
+def wrong_values(key: Key) -> list[Any]:
+    """Values of other types, and those just outside the range."""
+    kind, meta = get_args(key.type)
+    wrong: list[Any] = [math.nan, math.inf, -math.inf, [[]], {"a": {"b": 1}}, [None], b"bytes", "\x00", "a\n"]
+    wrong += [None] if type(None) not in get_args(kind) else []
+    wrong += {int: ["7", True, 1.5, 10**400], float: ["0.5", True, 10**400], str: [7], bool: ["yes", 1]}.get(
+        kind, [7.5]
+    )
+    wrong += [bound for bound in (meta.gt, meta.lt) if bound is not None]
+    wrong += [meta.ge - 1] if meta.ge is not None else []
+    wrong += [meta.le + 1] if meta.le is not None else []
+    return wrong
+
+
+@pytest.mark.parametrize(("key", "name"), KEYS, ids=NAMES)
+def test_every_key_refuses_what_it_cannot_mean(key, name):
+    for value in wrong_values(key):
+        assert refusal(changed(name, value)).startswith(f"configuration key {name}: "), repr(value)
+
+
+@pytest.mark.parametrize("group", ["", *sorted({name.rpartition(".")[0] for name in NAMES} - {""})])
+@pytest.mark.parametrize("name", ["colour", "Seeds", "run ", "__use_yte__", "seeds\n"])
+def test_unknown_keys_are_refused_everywhere(group, name):
+    entry = config = copy.deepcopy(PUBLISHED)
+    for part in filter(None, group.split(".")):
+        entry = entry.setdefault(part, {})
+    entry[name] = 1
+    assert "unknown; known are" in refusal(config)
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(st.sampled_from(NAMES), st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8)
+       | st.lists(st.integers() | st.text(max_size=4), max_size=3) | st.dates()
+       | st.dictionaries(st.text(max_size=4), st.integers(), max_size=2))  # fmt: skip
+def test_any_value_at_any_key_passes_or_is_refused_in_one_line(path, value):
+    try:
+        complete = completed(changed(path, value))
+    except UserError as error:
+        assert "\n" not in str(error)
+    else:
+        json.dumps(complete.to_dict(), allow_nan=False)
+
+
+# -- the robustness study
+
+
+def study_refusal(content: Any, folder: Path) -> str:
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(UserError) as caught:
+        read_study(path)
+    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "says"),
+    [
+        ("learning.alpha", {"values": [2]}, "unknowns.learning.alpha: 2 is not allowed; give a number > 0 and <= 1"),
+        ("learning.alpha", {"options": [0.1, "a"]}, "unknowns.learning.alpha: 'a' is not allowed"),
+        ("learning.alpha", {"range": [0.1, 5]}, "unknowns.learning.alpha: 5 is not allowed"),
+        ("learning.nothing", {"values": [1]}, "unknowns.learning.nothing: unknown; known are episodes"),
+        ("lerning.alpha", {"values": [1]}, "unknowns.lerning: unknown; known are learning"),
+        ("alpha", {"values": [1]}, "unknowns: 'alpha' is not allowed; give group.key of a hyper-parameter"),
+        ("learning.alpha", {"range": [0.5, 0.1]}, "range: [0.5, 0.1] is not allowed; give two numbers, the lower"),
+        ("learning.alpha", {"range": [0.5]}, "range: [0.5] is not allowed; give two numbers"),
+        ("learning.gamma", {"range": [0, 1], "scale": "log"}, "range: [0, 1] is not allowed; give two positive"),
+        ("learning.gamma", {"range": [0.5, 1], "options": [1]}, "range: is given beside options"),
+        ("learning.alpha", {"scale": "cubic"}, "scale: 'cubic' is not allowed; give one of linear, log"),
+        ("learning.alpha", {"valeus": [0.1]}, "unknowns.learning.alpha.valeus: unknown; known are symbol"),
+        ("learning.alpha", {"values": 0.1}, "values: 0.1 is not allowed; give a list"),
+    ],
+)
+def test_a_wrong_unknown_is_refused_in_one_line(key, value, says, tmp_path):
+    wrong = copy.deepcopy(STUDY)
+    wrong["unknowns"][key] = {"symbol": "x", **value}
+    assert says in study_refusal(wrong, tmp_path)
+
+
+@pytest.mark.parametrize("name", [key.name for key in keys_of(Study) if "<name>" not in key.name])
+def test_a_missing_or_wrong_key_of_the_study_is_refused(name, tmp_path):
+    group, _, last = name.rpartition(".")
+    without = copy.deepcopy(STUDY)
+    del (without[group] if group else without)[last]
+    assert f"configuration key {name}: missing; give a whole number" in study_refusal(without, tmp_path)
+    assert f"configuration key {name}: -1 is not allowed" in study_refusal(changed(name, -1, STUDY), tmp_path)
+
+
+def test_a_study_with_a_repeated_key_is_refused(tmp_path):
+    path = tmp_path / "study.yaml"
+    path.write_text((ROOT / "config/robustness.yaml").read_text() + "seeds: 3\n")
+    with pytest.raises(UserError, match="key seeds is given in lines 4 and"):
+        read_study(path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "study", "says"),
+    [
+        ({"learning.episodes": 5}, {}, "setting x: configuration key measures.window: 10 must not exceed"),
+        ({}, {"growth": {"tasks": 7, "runs": 1}}, "setting x: configuration key growth.tasks: 7 must exceed"),
+        ({"env9.start": [1, 1]}, {}, "unknowns.env9.start: environment env9 is not in this run (env1, env2, env3)"),
+    ],
+)
+def test_a_setting_must_fit_the_run(changes, study, says):
+    with pytest.raises(UserError, match=re.escape(says)):
+        job_of(Setting("x", ONE_AT_A_TIME, changes), Study.from_dict(STUDY | study), completed(PUBLISHED).to_dict())
+
+
+def test_a_setting_changes_what_it_names_and_nothing_else():
+    study, config = Study.from_dict(STUDY), completed(PUBLISHED).to_dict()
+    reference = job_of(Setting("x", REFERENCE), study, config)
+    other = job_of(Setting("x", ONE_AT_A_TIME, {"subgoals.cover_radius": 4}), study, config)
+    assert reference["parameters"] == {**{group: config[group] for group in reference["parameters"]},
+                                       "learning": {**config["learning"], "max_steps": study.max_steps}}  # fmt: skip
+    other["parameters"]["subgoals"]["cover_radius"] = 2
+    assert {**other, "group": REFERENCE, "changes": {}} == reference
+
+
+# -- the text of configuration files
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("run: a\nseeds: 1\nrun: b\n", "key run is given in lines 1 and 3; keep one of them"),
+        ("learning: {alpha: 0.1, gamma: 1, alpha: 0.2}\n", "key learning.alpha is given in lines 1 and 1"),
+        ("environments:\n  a: {map: x}\n  a: {map: y}\n", "key environments.a is given in lines 2 and 3"),
+        ('{"run": "a", "run": "b"}', "key run is given in lines 1 and 1"),
+        ("run: [a\n", "is not YAML"),
+        ("\trun: a\n", "is not YAML"),
+        ("run: a\n---\nrun: b\n", "is not YAML"),
+        ("run: 2024-13-45\n", "is not YAML (month must be in 1..12"),
+        ("- run\n", "holds no keys"),
+        ("", "holds no keys"),
+        ("? [a, b]\n: 1\n", "a key must be a word"),
+        ("a: &a [1]\nb: *a\n", "line 2: *a is an alias"),
+        ("a: &a\n  b: *a\n", "line 2: *a is an alias"),
+        ("[" * 5000, "nested more than 20 deep"),
+        ("run: \x00\n", "is not YAML"),
+    ],
+    ids=lambda text: repr(text[:20]),
+)
+def test_text_of_a_configuration_file(tmp_path, text, says):
+    path = tmp_path / "config.yaml"
+    path.write_text(text)
+    with pytest.raises(UserError) as caught:
+        read_yaml(path)
+    assert says in str(caught.value) and str(path) in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_published_texts_pass():
+    for path in (ROOT / "config").glob("*.yaml"):
+        assert read_yaml(path) == yaml.safe_load(path.read_text())
+
+
+def test_files_that_are_not_text_are_refused(tmp_path):
+    (tmp_path / "binary.yaml").write_bytes(b"run: \xff\xfe")
+    for path, says in [(tmp_path / "binary.yaml", "is not UTF-8"), (tmp_path / "none.yaml", "cannot be read"),
+                       (tmp_path, "cannot be read")]:  # fmt: skip
+        with pytest.raises(UserError, match=says):
+            read_yaml(path)
+
+
+# -- what is made from the definition
+
+
+def test_the_tables_of_keys_are_up_to_date():
+    page = (ROOT / "config/README.md").read_text(encoding="utf-8")
+    assert page.partition(MARK)[2] == "\n" + tables(), "run: ptl config-docs"
+
+
+def test_every_key_has_a_sentence_and_a_row():
+    rows = tables()
+    for key in [*keys_of(Configuration), *keys_of(Study)]:
+        assert key.meta.description.endswith(".")
+        assert f"| `{key.name}` |" in rows
+
+
+def test_the_schema_for_editors_knows_every_key():
+    definitions = json.loads(json_schema())["$defs"]
+    last = {key.name.rpartition(".")[2] for key in keys_of(Configuration)}
+    assert last <= {name for definition in definitions.values() for name in definition["properties"]}
+    assert definitions["Learning"]["properties"]["alpha"] == {
+        "type": "number", "description": "Learning rate.", "exclusiveMinimum": 0, "maximum": 1, "default": 0.05,
+    }  # fmt: skip
+    assert msgspec.json.decode(json_schema())["$defs"]["Configuration"]["additionalProperties"] is False

@@ -1,0 +1,51 @@
+"""The page of differences follows from the ledger alone."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from ptl.report.differences import SHOWN, differences_table
+
+PART = {
+    "id": "a",
+    "part": "steps",
+    "estimate": 12345.6,
+    "low": 0.1234,
+    "high": 2.0,
+    "unit": "steps",
+    "outcome": "holds",
+}
+CLAIM = {"id": "a", "claim": "PTL is faster", "verdict": "reproduced", "evidence": "not in this run"}
+
+
+def row(claim: dict, parts: list[dict]) -> list[str]:
+    table = differences_table(pd.DataFrame([claim]), pd.DataFrame(parts, columns=[*PART, "demand"]))
+    [found] = table.groups[0].rows
+    return [found.label, *(cell.text for cell in found.cells)]
+
+
+def test_statement_numbers_and_verdict_come_from_the_ledger():
+    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.123, 2] steps (holds)", "reproduced"]
+
+
+def test_another_verdict_changes_nothing_but_the_verdict():
+    before, after = row(CLAIM, [PART]), row(CLAIM | {"verdict": "not reproduced"}, [PART])
+    assert after == [*before[:-1], "not reproduced"]
+
+
+def test_a_share_reads_as_in_the_ledger():
+    part = PART | {"estimate": 81.0, "low": 74.0, "high": 85.0, "unit": "%", "part": "saved"}
+    assert row(CLAIM, [part])[2] == "saved: 81% [74, 85] (holds)"
+    assert row(CLAIM, [part | {"unit": float("nan")}])[2] == "saved: 81 [74, 85] (holds)"
+
+
+def test_of_many_comparisons_those_that_do_not_hold_come_first():
+    outcomes = ["holds"] * SHOWN + ["open", "fails"]
+    shown = row(CLAIM, [PART | {"part": f"part {i}", "outcome": o} for i, o in enumerate(outcomes)])[2].splitlines()
+    assert len(shown) == SHOWN
+    assert shown[0].startswith(f"part {SHOWN + 1}:") and shown[1].startswith(f"part {SHOWN}:")
+    assert shown[2].startswith("part 0:")
+
+
+def test_a_claim_without_comparisons_gives_its_reason():
+    assert row(CLAIM | {"verdict": "undecided"}, [])[2:] == ["not in this run", "undecided"]

@@ -1,0 +1,390 @@
+"""Every figure is made from small inputs: files, their bytes, numbers against the inputs, refusals."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from types import SimpleNamespace
+
+import h5py
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+
+from ptl import methods
+from ptl.agent.selection import prior
+from ptl.config import Learning, Parameters, Statistics
+from ptl.errors import UserError
+from ptl.files.arrays import write_arrays
+from ptl.files.results import open_learning, write_frequencies, write_learning
+from ptl.learning.life import learn_life, tasks_of
+from ptl.learning.survey import subgoal_frequencies
+from ptl.report.figures import cells, figures, style
+from ptl.report.figures.measures import trailing_mean
+from ptl.report.job import Job
+from ptl.study.growth import TwoSlopes
+from ptl.world.gridworld import GridWorld
+
+MAP = """\
+#########
+#I..#..A#
+#.......#
+#...#..B#
+##.######
+#......C#
+#########
+"""
+PARAMETERS = Parameters.from_dict({"learning": {"episodes": 30}, "subgoals": {"trajectories": 10}})
+SEEDS, RUNS = 3, 4
+TWO_SLOPES = TwoSlopes(bend=7, intercept=0.5, before=0.6, after=0.2)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse_pictures() -> Iterator[None]:
+    """Fewer dots than the published figures have, because painting dots takes time."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(style, "PNG_RESOLUTION", 60)
+        yield
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with one small input of every kind, real runs wherever runs are drawn."""
+    folder = tmp_path_factory.mktemp("figures")
+    (folder / "small.txt").write_text(MAP)
+    world = GridWorld.from_text(MAP)
+    for seed in range(SEEDS):
+        life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", seed)
+        origin = {
+            "environment": "small", "method": "ptl", "seed": seed, "root_seed": 1, "code": "-",
+            "parameters": PARAMETERS.to_dict(),
+        }  # fmt: skip
+        write_learning(folder / f"seed_{seed}.h5", life, world, origin)
+    arrays = subgoal_frequencies(world, range(3), 5, Learning(), 1, "small")
+    origin = {
+        "environment": "small", "trajectories": 5, "root_seed": 1, "code": "-",
+        "parameters": PARAMETERS.to_dict(),
+    }  # fmt: skip
+    write_frequencies(folder / "frequencies.h5", arrays, world, origin)
+    random = np.random.default_rng(0)
+    steps = {
+        f"small/{method}/C": random.poisson(np.geomspace(400 / (index + 1), 9, 60), size=(SEEDS, 60)) + 9
+        for index, method in enumerate(METHODS)
+    }
+    write_arrays(folder / "steps.h5", "ptl-steps/1", steps, {})
+    tasks = np.arange(13)
+    pd.DataFrame(
+        {
+            "run": np.repeat(np.arange(RUNS), len(tasks)),
+            "tasks": np.tile(tasks, RUNS),
+            "library_size": np.concatenate([TWO_SLOPES(tasks) + run for run in range(RUNS)]),
+        }
+    ).to_csv(folder / "growth.csv", index=False)
+    skills = np.array([1, 10, 100])
+    pd.DataFrame({"skills": skills, "operations": 3 + 7 * skills}).to_csv(folder / "selection.csv", index=False)
+    storage = [(states, count, states * count) for states in (20, 50) for count in skills]
+    pd.DataFrame(storage, columns=["states", "skills", "bytes"]).to_csv(folder / "storage.csv", index=False)
+    return folder
+
+
+GROUPS = {
+    "skills": {"prior_form": "exponential", "prior_width": 0.1},
+    "measures": {"window": 10, "threshold_factor": 1.5},
+    "statistics": {"confidence": 0.95, "resamples": 500},
+    "growth": {"breakpoint": 7},
+}
+INPUTS = {
+    "maps": {},
+    "prior": {},
+    "misleading_prior": {"misleading_prior": [f"seed_{seed}.h5" for seed in range(SEEDS)]},
+    "frequencies": {"survey": ["frequencies.h5"]},
+    "discovery": {"learning": [f"seed_{seed}.h5" for seed in range(SEEDS)]},
+    "curves": {"steps": "steps.h5"},
+    "measures": {"steps": "steps.h5"},
+    "growth": {"growth": "growth.csv"},
+    "library_cost": {"selection_cost": "selection.csv", "library_bytes": "storage.csv"},
+}
+"""Input files of every figure that needs no study of its own, by module."""
+
+METHODS = ["no_transfer", "full_transfer", "policy_reuse", "ptl"]
+
+
+def job(kind: str, folder: Path, entry: dict | None = None, files: dict | None = None, **changes: dict) -> Job:
+    """A job of the workflow on the small inputs; ``changes`` go into the groups of the configuration."""
+
+    def placed(names: str | list[str]) -> str | list[str]:
+        return str(folder / names) if isinstance(names, str) else [str(folder / name) for name in names]
+
+    inputs = {name: placed(names) for name, names in INPUTS[kind].items()} | (files or {})
+    groups = {name: SimpleNamespace(**(group | changes.get(name, {}))) for name, group in GROUPS.items()}
+    settings = {"map": str(folder / "small.txt"), "title": "Small", "tasks": "ABC", "discovery_tasks": "BC"}
+    methods = ["no_transfer", "ptl"] if kind == "measures" else METHODS
+    environments = {"small": SimpleNamespace(**(settings | (entry or {})))}
+    return Job(SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, methods)
+
+
+def draw(kind: str, output: Path, work: Job) -> None:
+    """Draw a figure as the workflow's script does."""
+    style.save(*import_module(f"ptl.report.figures.{kind}").make(work), output)
+
+
+@pytest.fixture(scope="module")
+def frames(inputs: Path) -> dict[str, pd.DataFrame]:
+    """The CSV twin of every figure, by module."""
+    for kind in INPUTS:
+        draw(kind, inputs / "out" / f"{kind}.png", job(kind, inputs))
+    return {kind: pd.read_csv(inputs / "out" / f"{kind}.csv", keep_default_na=False, na_values=[""]) for kind in INPUTS}
+
+
+def test_every_module_of_the_registry_is_tested() -> None:
+    config = {
+        "seeds": 30, "methods": METHODS, "growth": {"runs": 3, "breakpoint": 7}, "statistics": {"confidence": 0.95},
+        "subgoal_frequencies": {"starts": "all", "trajectories": 5},
+        "environments": {"small": {"title": "", "article_items": {}}},
+    }  # fmt: skip
+    modules = {row.module for row in figures(config).values()}
+    assert modules == {*INPUTS, "policy_reuse_experiment"}
+    assert set(figures({**config, "methods": ["no_transfer"]})) == set(figures(config)) - {
+        "figure04", "discovery_small", "figure13",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", INPUTS)
+def test_same_inputs_give_the_same_bytes_whatever_the_settings(
+    kind: str, inputs: Path, frames: dict[str, pd.DataFrame], tmp_path: Path
+) -> None:
+    with mpl.rc_context({"font.size": 30, "svg.hashsalt": None, "axes.grid": False, "savefig.bbox": "tight"}):
+        draw(kind, tmp_path / f"{kind}.png", job(kind, inputs))
+    for suffix in (".png", ".svg", ".csv"):
+        again = (tmp_path / f"{kind}{suffix}").read_bytes()
+        assert again == (inputs / "out" / f"{kind}{suffix}").read_bytes()
+    assert b"<dc:date>" not in (tmp_path / f"{kind}.svg").read_bytes()
+
+
+@pytest.mark.parametrize("kind", INPUTS)
+def test_picture_has_ink_and_nothing_is_cut_off(kind: str, inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    from matplotlib.image import imread
+
+    paper = imread(inputs / "out" / f"{kind}.png")[..., :3].min(axis=2) > 0.99
+    assert 0.01 < (~paper).mean() < 0.9
+    # a margin of 2 dots all around stays white: labels that are cut off would cross it
+    for edge in (paper[:2], paper[-2:], paper[:, :2], paper[:, -2:]):
+        assert edge.all()
+
+
+# -- numbers ------------------------------------------------------------------------------------------------
+
+
+def test_map_numbers(frames: dict[str, pd.DataFrame]) -> None:
+    world, frame = GridWorld.from_text(MAP), frames["maps"]
+    assert frame["letter"].tolist() == ["I", "A", "B", "C"]
+    assert frame["state"].tolist() == [world.start, *world.goals.values()]
+    assert frame["shortest_path"].tolist() == [
+        world.shortest_path_length(world.start, state) for state in frame["state"]
+    ]
+
+
+def test_prior_numbers(frames: dict[str, pd.DataFrame]) -> None:
+    world, frame = GridWorld.from_text(MAP), frames["prior"]
+    distance = np.hypot(*(world.cells - world.cells[world.goal("C")]).T)
+    np.testing.assert_allclose(frame["relative_prior"], np.exp(-distance / (0.1 * world.diagonal)), rtol=1e-5)
+
+
+def test_misleading_prior_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    frame = frames["misleading_prior"]
+    np.testing.assert_allclose(frame.groupby("episode")["probability"].sum(), 1, rtol=1e-4)
+    # the beginning is the prior
+    expected: dict[str, list[float]] = {}
+    for seed in range(SEEDS):
+        with open_learning(inputs / f"seed_{seed}.h5") as file:
+            world, task = file.world, file.tasks["C"]
+            known = [skill for skill in file.library or [] if skill.learned_after < 2]
+            names = ["none", *("ABC"[skill.learned_after] for skill in known)]
+            states = [task.start, *(skill.subgoal for skill in known)]
+            for name, chance in zip(names, prior(world.cells, states, task.goal, world.diagonal), strict=True):
+                expected.setdefault(name, []).append(chance)
+    first = frame[frame["episode"] == 1].set_index("skill")["probability"]
+    assert set(first.index) == set(expected)
+    assert len(expected) > 1
+    for name, chances in expected.items():
+        assert first[name] == pytest.approx(sum(chances) / SEEDS, rel=1e-5)
+
+
+def test_misleading_prior_probabilities_are_those_the_learner_drew_from(
+    inputs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from ptl.methods.ptl import Method
+    from ptl.report.figures import misleading_prior
+
+    drawn: list[np.ndarray] = []
+    original = Method.run_episode
+
+    def watched(self: Method, learner: object) -> list[int]:
+        drawn.append(self.selection.probabilities())
+        return original(self, learner)
+
+    monkeypatch.setattr(Method, "run_episode", watched)
+    world = GridWorld.from_text(MAP)
+    learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 0)
+    frame = misleading_prior.collect([inputs / "seed_0.h5"], Statistics(), "C").frame
+    names = list(dict.fromkeys(frame["skill"]))
+    table = frame.pivot_table(index="episode", columns="skill", values="probability")
+    candidates = ["none", *(name for name in names if name != "none")]
+    np.testing.assert_allclose(table[candidates], np.array(drawn[-30:]), rtol=1e-12)
+
+
+def test_frequency_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    frame = frames["frequencies"]
+    with h5py.File(inputs / "frequencies.h5") as file:
+        assert frame["count"].tolist() == file["counts"][()].tolist()
+        assert frame["count"].sum() + file["unresolved"][()] == file["pairs"][()]
+        np.testing.assert_allclose(frame["share"], 100 * file["counts"][()] / file["pairs"][()], rtol=1e-5)
+
+
+def test_discovery_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    for (task, metric), part in frames["discovery"].groupby(["task", "metric"]):
+        values, chosen = [], np.zeros(len(part), dtype=int)
+        for seed in range(SEEDS):
+            with open_learning(inputs / f"seed_{seed}.h5") as file:
+                view = file.tasks[task]
+                values.append(getattr(view, metric))
+                choice = view.subgoal if metric == "incremental" else int(view.original.argmax())
+                if choice >= 0:
+                    chosen[choice] += 1
+        np.testing.assert_allclose(part["value"], np.mean(values, axis=0), rtol=1e-5)
+        assert part["chosen"].tolist() == chosen.tolist()
+    assert set(frames["discovery"]["task"]) == {"B", "C"}
+
+
+def test_curve_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    with h5py.File(inputs / "steps.h5") as file:
+        for method, part in frames["curves"].groupby("method"):
+            np.testing.assert_allclose(part["mean"], file[f"small/{method}/C"][()].mean(axis=0), rtol=1e-5)
+            assert (part["ci_low"] <= part["mean"] * 1.00001).all()
+            assert (part["ci_high"] >= part["mean"] * 0.99999).all()
+    assert set(frames["curves"]["method"]) == set(METHODS)
+
+
+def test_measure_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    world = GridWorld.from_text(MAP)
+    with h5py.File(inputs / "steps.h5") as file:
+        base, mine = (file[f"small/{method}/C"][()] for method in ("no_transfer", "ptl"))
+    row = frames["measures"].query("method == 'ptl'").iloc[-1]
+    assert row["jump_start"] == pytest.approx((base[:, 0] - mine[:, 0]).mean(), rel=1e-5)
+    assert row["asymptotic"] == pytest.approx(mine[:, -10:].mean(), rel=1e-5)
+    assert row["threshold"] == pytest.approx(1.5 * world.shortest_path_length(world.start, world.goal("C")))
+    means = [mine[:, end - 10 : end].mean() for end in range(10, 61)]
+    reached = [end for end, mean in enumerate(means, start=10) if mean <= row["threshold"]]
+    assert row["threshold_episode"] == reached[0] if reached else np.isnan(row["threshold_episode"])
+
+
+def test_growth_numbers(frames: dict[str, pd.DataFrame]) -> None:
+    frame = frames["growth"]
+    np.testing.assert_allclose(frame["mean"], TWO_SLOPES(frame["tasks"].to_numpy()) + (RUNS - 1) / 2, rtol=1e-5)
+    assert frame["slope_before"].unique() == pytest.approx([0.6], rel=1e-5)
+    assert frame["slope_after"].unique() == pytest.approx([0.2], rel=1e-5)
+
+
+def test_library_cost_numbers(frames: dict[str, pd.DataFrame]) -> None:
+    frame = frames["library_cost"]
+    assert frame["operations_per_skill"].dropna().unique() == pytest.approx([7], rel=1e-4)
+    storage = frame[frame["kind"] == "storage"]
+    assert (storage["bytes"] == storage["states"] * storage["skills"]).all()
+    assert len(storage) == 6
+
+
+# -- pieces -------------------------------------------------------------------------------------------------
+
+
+def test_trailing_mean() -> None:
+    np.testing.assert_allclose(trailing_mean(np.array([4.0, 2, 6, 1]), 2), [np.nan, 3, 4, 3.5])
+
+
+def test_colours_and_labels_of_methods_are_unique() -> None:
+    looks = [style.method_look(name) for name in methods.names()]
+    assert len({mpl.colors.to_hex(colour) for colour, _ in looks}) == len(looks)
+    assert len({label for _, label in looks}) == len(looks)
+    assert not {colour for colour, _ in looks} & set(style.CATEGORIES)
+
+
+def test_heat_grows_darker_all_the_way() -> None:
+    linear = style.HEAT(np.linspace(0, 1, 216))[:, :3]
+    luminance = linear @ [0.2126, 0.7152, 0.0722]
+    assert (np.diff(luminance) < 1e-3).all()
+    assert luminance[0] == pytest.approx(1)
+
+
+def test_pack_keeps_every_map_once_in_order_and_wide_ones_alone() -> None:
+    rows = cells.pack([(12, 78), (12, 32), (21, 24)])
+    assert [index for row in rows for index in row] == [0, 1, 2]
+    assert rows[0] == [0]
+    assert cells.pack([(5, 5)]) == [[0]]
+
+
+@pytest.mark.parametrize("text", ["I.A\n", "I\n.\n.\n.\n.\n.\nA\n", "###\n#I#\n#A#\n###\n"])
+@pytest.mark.parametrize("kind", ["maps", "prior"])
+def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
+    (tmp_path / "odd.txt").write_text(text)
+    draw(kind, tmp_path / "odd.png", job(kind, tmp_path, {"map": str(tmp_path / "odd.txt"), "tasks": "A"}))
+    assert len(pd.read_csv(tmp_path / "odd.csv")) == (2 if kind == "maps" else len(text.translate({10: "", 35: ""})))
+
+
+# -- refusals -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("kind", "entry", "changes", "words"),
+    [
+        ("prior", {"tasks": "Z"}, {}, "no goal 'Z'"),
+        ("discovery", {"discovery_tasks": "BX"}, {}, "no task X"),
+        ("curves", {"tasks": "A"}, {}, "no task 'A'"),
+        ("measures", {}, {"measures": {"window": 61}}, "too few for a window of 61"),
+        ("growth", {}, {"growth": {"breakpoint": 12}}, "12 is not allowed"),
+    ],
+)
+def test_refusals_name_the_fault(
+    kind: str, entry: dict, changes: dict, words: str, inputs: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(UserError, match=words):
+        draw(kind, tmp_path / "figure.png", job(kind, inputs, entry, **changes))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_figures_end_in_png(inputs: Path, tmp_path: Path) -> None:
+    with pytest.raises(UserError, match=r"end the name in \.png"):
+        draw("maps", tmp_path / "figure.pdf", job("maps", inputs))
+
+
+def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
+    text = MAP.replace("I..", ".I.")
+    world = GridWorld.from_text(text)
+    life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 9)
+    with open_learning(inputs / "seed_0.h5") as file:
+        origin = {name: file.file.attrs[name] for name in ("environment", "method", "seed", "root_seed", "code")}
+        origin["parameters"] = json.loads(file.file.attrs["parameters"])
+    write_learning(tmp_path / "other.h5", life, world, origin)
+    for kind, name in (("discovery", "learning"), ("misleading_prior", "misleading_prior")):
+        files = {name: [str(inputs / "seed_0.h5"), str(tmp_path / "other.h5")]}
+        with pytest.raises(UserError, match="map"):
+            draw(kind, tmp_path / "figure.png", job(kind, inputs, files=files))
+
+
+@pytest.mark.parametrize(
+    ("kind", "name", "text", "words"),
+    [
+        ("growth", "growth", "run,tasks\n0,0\n", "no column 'library_size'"),
+        ("growth", "growth", "run,tasks,library_size\n0,0,0\n0,1,1\n1,0,0\n", "different numbers of tasks"),
+        ("growth", "growth", "", "cannot be read as CSV"),
+        ("library_cost", "selection_cost", "skills,operations\n1,4\n", "two library sizes"),
+        ("library_cost", "selection_cost", "skills,operations\n1,4\n2,many\n", "'operations'"),
+        ("library_cost", "library_bytes", "states,bytes\n1,1\n", "no column 'skills'"),
+    ],
+)
+def test_bad_tables_are_refused(kind: str, name: str, text: str, words: str, inputs: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(UserError, match=words):
+        draw(kind, tmp_path / "figure.png", job(kind, inputs, files={name: str(tmp_path / "bad.csv")}))
+    assert [path.name for path in tmp_path.iterdir()] == ["bad.csv"]

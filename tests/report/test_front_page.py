@@ -1,0 +1,45 @@
+"""The front page of the report."""
+
+from __future__ import annotations
+
+import pandas as pd
+from docutils.core import publish_parts
+
+from ptl.report.front_page import compose
+
+CLAIMS = pd.DataFrame(
+    {"id": ["a", "b", "c"], "claim": ["A", "B", "C"], "verdict": ["reproduced", "not reproduced", "reproduced"]}
+)
+METRICS = pd.DataFrame(
+    [
+        {"environment": "env1", "task": "F", "method": method, "metric": "transfer_ratio", "mean": mean,
+         "ci_low": mean - 0.1, "ci_high": mean + 0.1, "seeds": 30}
+        for method, mean in [("no_transfer", 0.0), ("ptl", 0.9), ("full_transfer", -0.4)]
+    ]
+)  # fmt: skip
+LABELS = {"no_transfer": "No transfer", "ptl": "PTL", "full_transfer": "Full transfer"}
+
+
+def page(**changes) -> str:
+    arguments = {"claims": CLAIMS, "metrics": METRICS, "titles": {"env1": "Environment 1"},
+                 "last_tasks": {"env1": "F"}, "labels": LABELS} | changes  # fmt: skip
+    return compose(**arguments)
+
+
+def test_front_page_counts_the_verdicts_and_names_what_failed():
+    text = page()
+    assert "Of 3 claims of the article, **2 reproduced**, **1 not reproduced**." in text
+    assert "Not reproduced: b." in text
+    assert "Not reproduced" not in page(claims=CLAIMS[CLAIMS.verdict == "reproduced"])
+
+
+def test_front_page_shows_the_main_table_without_the_base():
+    text = page()
+    assert "0.9 [0.8, 1]" in text and "−0.4 [−0.5, −0.3]" in text
+    assert "* - No transfer" not in text
+    assert "not in this run" in page(labels={**LABELS, "policy_reuse": "Policy reuse"})
+
+
+def test_front_page_is_proper_restructured_text():
+    html = publish_parts(page(), writer="html", settings_overrides={"halt_level": 2, "report_level": 2})
+    assert "<table" in html["html_body"]

@@ -1,0 +1,77 @@
+"""Cost of the library: operations are really counted, and a costlier selection shows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from ptl.agent import selection
+from ptl.errors import UserError
+from ptl.report.figures.library_cost import cost_frame
+from ptl.study.library_cost import Counter, library_bytes, selection_operations
+
+
+@pytest.mark.parametrize(
+    ("work", "operations"),
+    [
+        (lambda x: x * 2, 100),
+        (lambda x: 2 - x, 100),
+        (lambda x: (x + x) * x, 200),
+        (lambda x: x.sum(), 100),
+        (np.sum, 100),
+        (np.cumsum, 100),
+        (lambda x: x[:7], 7),
+        (lambda x: x[3], 1),
+        (lambda x: np.where(x > 5, x, 0), 200),
+        (lambda x: np.multiply.outer(x, x), 100 * 100),
+        (lambda x: np.searchsorted(x, 40.5), 7),
+        (len, 0),
+    ],
+)
+def test_operations_are_counted(work, operations):
+    counter = Counter()
+    values = counter.array(np.arange(100.0))
+    found = work(values)
+    assert counter.operations == operations
+    np.testing.assert_array_equal(found, work(np.arange(100.0)))
+
+
+def test_arrays_computed_from_a_counted_one_are_counted_too():
+    counter = Counter()
+    squares = counter.array(np.arange(10)) ** 2
+    before = counter.operations
+    _ = squares + 1
+    assert counter.operations == before + 10
+
+
+def test_a_function_that_cannot_be_counted_is_refused():
+    with pytest.raises(TypeError, match=r"numpy\.dot cannot be counted"):
+        np.dot(Counter().array(np.ones(3)), np.ones(3))
+
+
+def test_a_selection_costs_the_same_for_each_skill():
+    counts = selection_operations([100, 200, 400]).set_index("skills")["operations"]
+    # beside the linear part there are two steps for a binary search that is four times as long
+    assert counts[400] - counts[200] == 2 * (counts[200] - counts[100]) - 1
+
+
+def test_a_quadratic_selection_shows(monkeypatch):
+    draw = selection.draw_index
+
+    def slow(probabilities, random):
+        return draw((np.multiply.outer(probabilities, probabilities)).sum(axis=1), random)
+
+    monkeypatch.setattr(selection, "draw_index", slow)
+    counts = selection_operations([500, 1000])["operations"]
+    assert counts[1] / counts[0] > 3.5
+
+
+def test_numbers_of_the_figure():
+    selection_cost = selection_operations([1, 10, 100])
+    frame = cost_frame(selection_cost, library_bytes([20, 50], [1, 3]))
+    part = frame[frame["kind"] == "selection"]
+    assert part["operations"].tolist() == selection_cost["operations"].tolist()
+    assert part["operations_per_skill"].unique() == pytest.approx([28], rel=0.01)
+    assert frame.loc[frame["kind"] == "storage", "bytes"].tolist() == [24, 72, 54, 162]
+    with pytest.raises(UserError, match="two library sizes"):
+        cost_frame(selection_cost[:1], library_bytes([20]))

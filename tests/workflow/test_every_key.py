@@ -1,0 +1,219 @@
+"""Every key of the configuration changes some job of the workflow: none is ignored."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable, Iterator
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin
+
+import pytest
+from projects import ROOT
+from snakemake.api import SnakemakeApi
+from snakemake.settings.types import (
+    ConfigSettings,
+    DAGSettings,
+    OutputSettings,
+    Quietness,
+    ResourceSettings,
+)
+
+from ptl.config import Configuration
+from ptl.keys import Key, keys_of
+
+TARGETS = {"all", "robustness"}
+
+TINY = """
+run: tiny
+seeds: 2
+environments:
+  rooms: {map: rooms.txt, tasks: AB}
+  again: {map: rooms.txt, tasks: BA}
+methods: [no_transfer, policy_reuse, ptl]
+growth: {tasks: 9, runs: 2}
+subgoal_frequencies: {batches: 1}
+"""
+
+STUDY = """
+seeds: 1
+replicates: 1
+max_steps: 100
+step_budget: 100
+growth: {tasks: 10, runs: 1}
+latin_hypercube: {settings: 0, seed: 0}
+unknowns: {}
+"""
+
+ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
+
+Jobs = dict[str, tuple[Any, ...]]
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a tiny run and a tiny robustness study."""
+    folder = tmp_path_factory.mktemp("tiny")
+    shutil.copytree(ROOT / "config", folder / "config")
+    for name, text in {"config/config.yaml": TINY, "config/robustness.yaml": STUDY, "rooms.txt": ROOMS}.items():
+        (folder / name).write_text(text)
+    shutil.copy(folder / "rooms.txt", folder / "same.txt")
+    shutil.copy(folder / "config/robustness.yaml", folder / "same.yaml")
+    return folder
+
+
+def work_of(job: Any) -> tuple[Any, ...]:
+    """Return the rule of a job and what decides on its result: files, and the command or the parameters of a script.
+
+    Captions and the manifest quote the configuration and do nothing with it. So does a parameter that a command
+    leaves out.
+    """
+    quoted = {"caption", "config"}
+    given = {name: value for name, value in job.params.items() if name not in quoted}
+    return job.rule.name, list(map(str, job.input)), job.shellcmd or given
+
+
+@pytest.fixture(scope="module")
+def jobs_of(folder: Path) -> Iterator[Callable[[dict[str, Any]], Jobs]]:
+    """A function from changes of the configuration to the jobs of the workflow, by their first outputs."""
+
+    def refused(status: int) -> None:
+        raise AssertionError(f"the workflow ended with status {status}; see stderr")
+
+    @cache
+    def jobs(changes: str) -> Jobs:
+        with SnakemakeApi(OutputSettings(quiet={Quietness.ALL})) as api:
+            loaded = api.workflow(
+                resource_settings=ResourceSettings(cores=1),
+                config_settings=ConfigSettings(config=json.loads(changes)),
+                snakefile=ROOT / "Snakefile",
+                workdir=folder,
+            )
+            loaded.dag(DAGSettings(targets=TARGETS))
+            workflow = loaded._workflow
+            workflow._prepare_dag(forceall=True, ignore_incomplete=True, lock_warn_only=True)
+            workflow._build_dag()
+            return {str(job.output[0]): work_of(job) for job in workflow.dag.jobs if job.output}
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "_exit", refused)
+        patch.chdir(folder)
+        yield lambda changes: jobs(json.dumps(changes))
+
+
+def changed_jobs(before: Jobs, after: Jobs) -> set[str]:
+    """Return the outputs of jobs that are new, gone or different."""
+    return {name for name in {*before, *after} if before.get(name) != after.get(name)}
+
+
+TEXTS = {
+    "run": "other",
+    "environments.rooms.map": "same.txt",
+    "environments.rooms.title": "Another title",
+    "environments.rooms.tasks": "BA",
+    "environments.rooms.discovery_tasks": "B",
+    "growth.environment": "rooms",
+    "robustness.study": "same.yaml",
+}
+"""Another value for each key that is a free text."""
+
+LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"]}
+
+LEARNING = {"learn", "learn_misleading", "grow", "learn_setting"}
+RULES = {
+    "run": {"learn", "grow", "survey_batch", "measure", "tabulate", "judge_claims", "draw_figure"},
+    "root_seed": {*LEARNING, "survey_batch", "learn_fv"},
+    "seeds": {"learn", "learn_misleading", "learn_fv", "measure"},
+    "methods": {"measure", "tabulate", "front_page", "build_explorer", "learn_setting"},
+    "environments.rooms.map": {"learn", "survey_batch", "learn_setting", "judge_claims", "draw_figure"},
+    "environments.rooms.title": {"tabulate", "draw_figure", "build_explorer", "front_page"},
+    "environments.rooms.tasks": {"learn", "learn_setting", "judge_claims", "tabulate", "draw_figure"},
+    "environments.rooms": {"draw_figure"},
+    "learning": {*LEARNING, "survey_batch"},
+    "learning.max_steps": {"learn", "learn_misleading", "grow", "survey_batch"},  # the study has its own
+    "skills": LEARNING,
+    "subgoals": LEARNING,
+    "policy_reuse": {"learn", "learn_setting"},
+    "measures": {"measure", "judge_claims", "draw_figure", "judge_setting"},
+    "statistics": {"tabulate", "judge_claims", "draw_figure", "policy_reuse_table", "judge_setting"},
+    "growth.environment": {"grow", "learn_setting"},
+    "growth.tasks": {"grow"},
+    "growth.runs": {"grow", "collect_growth"},
+    "growth.breakpoint": {"draw_figure", "judge_claims", "judge_setting"},
+    "subgoal_frequencies.batches": {"survey_batch", "merge_survey"},
+    "subgoal_frequencies": {"survey_batch"},
+    "robustness": {"report_robustness"},
+}
+"""Rules that act on a key or on all keys of a group."""
+
+
+def other_value(key: Key, name: str) -> Any:
+    """Return an allowed value that differs from the one in the tiny run."""
+    kind = get_args(key.type)[0]
+    options = [kind, *get_args(kind)]
+    for option in options:
+        if get_origin(option) is Literal:
+            return next((value for value in get_args(option) if value != key.default), 2)
+    if kind is bool:
+        return not key.default
+    if kind is int:
+        return key.default + 1
+    if kind is float:
+        low, high = key.meta.ge or key.meta.gt or 0, key.meta.le or key.meta.lt
+        return (key.default + low) / 2 if key.default > low else (key.default + high) / 2
+    return TEXTS[name] if kind is str else LISTS[name]
+
+
+def nested(name: str, value: Any) -> dict[str, Any]:
+    """Return nested dictionaries: ``a.b`` and 1 give ``{"a": {"b": 1}}``."""
+    for part in reversed(name.split(".")):
+        value = {part: value}
+    return value
+
+
+KEYS = [(key, key.name.replace("<name>", "rooms")) for key in keys_of(Configuration)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("key", "name"), KEYS, ids=[name for _, name in KEYS])
+def test_a_key_changes_some_job(key: Key, name: str, jobs_of: Callable[[dict[str, Any]], Jobs]) -> None:
+    before, after = jobs_of({}), jobs_of(nested(name, other_value(key, name)))
+    rules = {jobs[path][0] for path in changed_jobs(before, after) for jobs in (before, after) if path in jobs}
+    assert RULES[max((group for group in RULES if f"{name}.".startswith(f"{group}.")), key=len)] <= rules
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "products"),
+    [
+        ("measures.window", 11, {
+            "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "explorer.html",
+            "robustness/reference_1.verdicts.csv",
+        }),
+        ("measures.threshold_factor", 2.0, {
+            "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "robustness/reference_1.verdicts.csv",
+        }),
+        ("growth.breakpoint", 6, {"claims.csv", "figures/figure14.png", "robustness/reference_1.verdicts.csv"}),
+        *[
+            (f"statistics.{name}", value, {
+                "tables/metrics.csv", "tables/policy_reuse_fv.csv", "claims.csv", "figures/figure04.png",
+                "figures/figure12.png", "figures/figure14.png", "figures/policy_reuse_fv.png",
+                "robustness/reference_1.verdicts.csv",
+            })
+            for name, value in [("confidence", 0.9), ("resamples", 300)]
+        ],
+    ],
+)  # fmt: skip
+def test_a_key_of_measuring_acts_in_every_product(
+    name: str, value: Any, products: set[str], jobs_of: Callable[[dict[str, Any]], Jobs]
+) -> None:
+    changed = changed_jobs(jobs_of({}), jobs_of(nested(name, value)))
+    folders = ("reports/tiny/", "results/tiny/")
+    assert products <= {path.removeprefix(folder) for path in changed for folder in folders}
+
+
+def test_environments_of_the_tiny_run_can_be_taken_away(jobs_of: Callable[[dict[str, Any]], Jobs]) -> None:
+    without = jobs_of({"environments": {"again": None}})
+    assert without and not [path for path in without if "again" in path]
+    assert [path for path in jobs_of({}) if "again" in path]

@@ -1,0 +1,389 @@
+"""Killed, damaged, starved of disk: a run goes on to the same bytes, and no damage stays unseen."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import random
+import re
+import resource
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import psutil
+import pytest
+from damage import SEED, damages, rewrite
+from projects import TARGETS, Project
+
+from ptl.errors import UserError
+from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
+from ptl.files.remedies import rebuild_command
+from ptl.files.verification import OneRun, checkable, faults_of
+from ptl.study.growth import library_sizes
+from ptl.study.measures import measure_files
+from ptl.study.statistics import read_per_seed
+
+
+@pytest.fixture(scope="module")
+def undisturbed(tmp_path_factory) -> Project:
+    project = Project(tmp_path_factory.mktemp("undisturbed"))
+    started = time.monotonic()
+    project.make(*TARGETS)
+    project.seconds = time.monotonic() - started
+    return project
+
+
+# -- kill -------------------------------------------------------------------------------------------------------
+
+
+def start(project: Project, *arguments: str) -> subprocess.Popen:
+    """`ptl workflow` in a process group of its own, so that a kill can take all of it and nothing else."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "ptl", "workflow", "-j2", *arguments],
+        cwd=project.folder, env=project.environment, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+
+
+def kill_all(run: subprocess.Popen) -> bool:
+    os.killpg(run.pid, signal.SIGKILL)
+    return True
+
+
+def kill_snakemake_only(run: subprocess.Popen) -> bool:
+    run.kill()
+    return True
+
+
+def kill_one_job(run: subprocess.Popen) -> bool:
+    """Kill one process of a job; False if none is running."""
+    jobs = [process for process in psutil.Process(run.pid).children(recursive=True) if "ptl" in process.cmdline()]
+    for process in jobs[:1]:
+        process.kill()
+    return bool(jobs)
+
+
+def disturb(project: Project, kill: Callable, moment: float, *arguments: str) -> bool:
+    """Start a run and kill it, or a part of it, after so many seconds; False if it had ended by then."""
+    run = start(project, *arguments)
+    try:
+        try:
+            run.wait(moment)
+            return False
+        except subprocess.TimeoutExpired:
+            pass
+        deadline = time.monotonic() + 5
+        hit = False
+        while not hit and run.poll() is None and time.monotonic() < deadline:
+            try:
+                hit = kill(run)
+            except psutil.Error:  # ended meanwhile
+                continue
+        run.wait(120)
+        return hit
+    finally:
+        if run.poll() is None:
+            os.killpg(run.pid, signal.SIGKILL)
+            run.wait()
+
+
+def finish(project: Project, *arguments: str) -> None:
+    """What `make` does: run again, whatever happened before."""
+    done = project.ptl("workflow", "-j2", *arguments)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
+def test_killed_runs_end_in_the_same_bytes(undisturbed, tmp_path, record_property):
+    chance = random.Random(SEED)
+    project = Project(tmp_path / "killed")
+    hits = 0
+    for kill in (kill_all, kill_snakemake_only, kill_one_job):
+        # The first third of a run is the start of Snakemake itself.
+        moment = undisturbed.seconds * chance.uniform(0.2, 0.6)
+        hits += disturb(project, kill, moment, *TARGETS)
+    record_property("runs killed", hits)
+    assert hits
+    finish(project, *TARGETS)
+    assert project.files("results", "reports") == undisturbed.files("results", "reports")
+    assert not list(project.folder.rglob(f"{UNFINISHED}*"))
+    done = project.ptl("verify", "results", "reports")
+    assert done.returncode == 0, done.stdout
+
+
+@pytest.mark.slow
+def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_property):
+    """Every product of the smoke run, killed in turn as a whole, without its jobs, and in one job."""
+    chance = random.Random(f"{SEED} smoke")
+    config = ("--configfile", "config/smoke.yaml")
+    reference, project = Project(tmp_path / "reference", None), Project(tmp_path / "killed", None)
+    reference.make(*config)
+    hits = 0
+    kills = itertools.cycle((kill_all, kill_snakemake_only, kill_one_job))
+    for _ in range(40):
+        hits += disturb(project, next(kills), chance.uniform(1, 20), *config)
+        if hits == 10:
+            break
+        if (project.folder / "reports/smoke/manifest.json").exists():  # done too soon: lose a part of it
+            shutil.rmtree(project.folder / "results/smoke/learning")
+            shutil.rmtree(project.folder / "reports/smoke")
+    record_property("runs killed", hits)
+    assert hits == 10
+    finish(project, *config)
+    assert project.files("results", "reports") == reference.files("results", "reports")
+    assert not list(project.folder.rglob(f"{UNFINISHED}*"))
+    done = project.ptl("verify", "results", "reports")
+    assert done.returncode == 0, done.stdout
+
+
+def test_lock_of_a_run_that_goes_on_is_spared_and_that_of_a_killed_one_is_not(tmp_path):
+    project = Project(tmp_path / "busy")
+    locks = project.folder / ".snakemake/locks"
+    run = start(project, "learning")
+    try:
+        deadline = time.monotonic() + 60
+        while not list(locks.glob("*.lock")) and time.monotonic() < deadline:
+            time.sleep(0.05)
+        os.kill(run.pid, signal.SIGSTOP)  # so that it cannot end while we ask
+        done = project.ptl("workflow", "-j2", "learning")
+        assert done.returncode == 1 and "is running in this folder" in done.stderr and str(run.pid) in done.stderr
+        assert "Traceback" not in done.stderr and list(locks.glob("*.lock"))
+    finally:
+        os.killpg(run.pid, signal.SIGKILL)
+        run.wait()
+    assert list(locks.glob("*.lock"))
+    finish(project, "learning")
+    assert not list(locks.glob("*.lock"))
+
+
+# -- damage -----------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def kept(undisturbed) -> Iterator[Project]:
+    """The undisturbed run, put back after each test."""
+    before = undisturbed.files("results", "reports")
+    yield undisturbed
+    for name, content in before.items():
+        path = undisturbed.folder / name
+        if not path.is_file() or path.read_bytes() != content:
+            path.write_bytes(content)
+
+
+def sealed_and_results(project: Project) -> list[Path]:
+    """Everything that later jobs read."""
+    found = checkable(project.folder / "results") + checkable(project.folder / "reports")
+    assert {path.suffix for path in found} == {".h5", ".csv"} and len(found) > 10
+    return found
+
+
+def test_every_damage_is_found(kept, monkeypatch, record_property):
+    """Whatever byte it is in: no exceptions, not even unused bytes."""
+    monkeypatch.chdir(kept.folder)
+    chance = random.Random(SEED)
+    tried = 0
+    for path in sealed_and_results(kept):
+        relative = path.relative_to(kept.folder)
+        assert faults_of(relative) == []
+        whole = path.read_bytes()
+        for what, damaged in damages(whole, chance):
+            if damaged == whole:
+                continue
+            tried += 1
+            path.write_bytes(damaged)
+            faults = faults_of(relative)
+            assert faults, f"{relative}: {what} was not found"
+            for fault in faults:
+                assert fault.startswith(str(relative)) and "\n" not in fault and "snakemake" in fault, fault
+        path.write_bytes(whole)
+    record_property("damages tried, all found: HDF5 files and tables", tried)
+    assert tried > 300
+
+
+def swaps(project: Project) -> list[tuple[str, str]]:
+    """Products and those of other jobs that could be mistaken for them."""
+    results, reports = "results/tiny", "reports/tiny"
+    learned = f"{results}/learning/rooms"
+    return [
+        (f"{learned}/ptl/seed_000.h5", f"{learned}/ptl/seed_001.h5"),
+        (f"{learned}/ptl/seed_000.h5", f"{learned}/no_transfer/seed_000.h5"),
+        (f"{learned}/ptl/seed_000.h5", f"{results}/growth/run_000.h5"),
+        (f"{results}/growth/run_001.h5", f"{results}/growth/run_000.h5"),
+        (f"{results}/growth/run_001.h5", f"{learned}/ptl/seed_001.h5"),
+        (f"{results}/subgoal_frequencies/rooms.h5", f"{learned}/ptl/seed_001.h5"),
+        (f"{results}/steps.h5", f"{learned}/ptl/seed_001.h5"),
+        (f"{reports}/tables/per_seed.csv", f"{reports}/tables/subgoals.csv"),
+        (f"{reports}/tables/growth.csv", f"{reports}/tables/per_seed.csv"),
+    ]
+
+
+def test_files_of_other_jobs_are_found(kept, monkeypatch, record_property):
+    monkeypatch.chdir(kept.folder)
+    record_property("files of another job in a product's place, all found", len(swaps(kept)))
+    for product, other in swaps(kept):
+        whole = Path(product).read_bytes()
+        shutil.copy(other, product)
+        faults = faults_of(Path(product))
+        assert faults, f"{product} replaced by {other} was not found"
+        for fault in faults:
+            assert fault.startswith(product) and "snakemake" in fault and "\n" not in fault
+        Path(product).write_bytes(whole)
+
+
+def older_code(path: Path) -> None:
+    rewrite(path, lambda file: file.attrs.modify("code", "0" * 16))
+
+
+def other_settings(path: Path) -> None:
+    rewrite(path, lambda file: file.attrs.modify("root_seed", 1))
+
+
+def cut(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def flip(path: Path) -> None:
+    content = bytearray(path.read_bytes())
+    content[-3] ^= 1
+    path.write_bytes(bytes(content))
+
+
+def replace(path: Path) -> None:
+    """By the file of the other seed or run."""
+    [other] = set(path.parent.glob("*.h5")) - {path}
+    shutil.copy(other, path)
+
+
+@pytest.mark.parametrize(
+    ("damaged", "damage"),
+    [
+        ("results/tiny/learning/rooms/ptl/seed_001.h5", cut),
+        ("results/tiny/learning/rooms/ptl/seed_001.h5", older_code),
+        ("results/tiny/learning/rooms/ptl/seed_001.h5", other_settings),
+        ("results/tiny/learning/rooms/ptl/seed_001.h5", replace),
+        ("results/tiny/growth/run_000.h5", cut),
+        ("results/tiny/growth/run_000.h5", replace),
+        ("reports/tiny/tables/per_seed.csv", flip),
+        ("reports/tiny/tables/per_seed.csv", cut),
+    ],
+)
+def test_aggregation_refuses_damage_and_its_advice_works(kept, monkeypatch, damaged, damage):
+    monkeypatch.chdir(kept.folder)
+    path = Path(damaged)
+    whole = path.read_bytes()
+    damage(path)
+    with pytest.raises(UserError) as caught:
+        if "learning" in damaged:
+            files = sorted(Path("results/tiny/learning/rooms").glob("*/seed_*.h5"))
+            measure_files(files, 10, 1.5, admit=OneRun().admit)
+        elif "growth" in damaged:
+            library_sizes(sorted(Path("results/tiny/growth").glob("*.h5")))
+        else:
+            read_per_seed(path)
+    line = str(caught.value)
+    assert line.startswith(f"{damaged}: ") and "\n" not in line
+    advice = re.search(r"remove it and run '(snakemake [^']*)' to make it again", line)[1]
+    if damage in {cut, older_code}:  # one of each kind of file, because Snakemake takes seconds
+        path.unlink()
+        kept.make(*shlex.split(advice)[1:])
+        assert path.read_bytes() == whole
+        assert faults_of(path) == []
+
+
+def test_advice_names_the_configuration_of_the_run(tmp_path, monkeypatch):
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config/config.yaml").write_text("run: published\n")
+    (tmp_path / "config/smoke.yaml").write_text("# small\nrun: 'smoke'\n")
+    monkeypatch.chdir(tmp_path)
+    assert rebuild_command("results/published/steps.h5") == "snakemake results/published/steps.h5 --cores 1"
+    expected = "snakemake results/smoke/steps.h5 --cores 1 --configfile config/smoke.yaml"
+    assert rebuild_command("results/smoke/steps.h5") == expected
+    assert rebuild_command(tmp_path / "results/smoke/steps.h5") == expected
+    assert rebuild_command("results/other/a b.h5") == "snakemake 'results/other/a b.h5' --cores 1"
+    assert rebuild_command("/elsewhere/x.h5") == "snakemake /elsewhere/x.h5 --cores 1"
+
+
+def test_merging_batches_refuses_a_batch_given_twice(kept):
+    common = ["--map", "rooms.txt", "--environment", "rooms", "--batches", "2", "--root-seed", "1", "--starts", "4"]
+    for batch in (0, 1):
+        output = f"results/tiny/subgoal_frequencies/rooms/batch_{batch}.h5"
+        assert kept.ptl("survey", "batch", *common, "--batch", str(batch), "--output", output).returncode == 0
+    first, second = (f"results/tiny/subgoal_frequencies/rooms/batch_{batch}.h5" for batch in (0, 1))
+    assert faults_of(kept.folder / second) == []
+    done = kept.ptl("survey", "merge", first, first, "--output", "merged.h5")
+    assert done.returncode == 1 and "batches 0, 0 were given where 0 to 1 are needed" in done.stderr
+    shutil.copy(kept.folder / first, kept.folder / second)
+    done = kept.ptl("survey", "merge", first, second, "--output", "merged.h5")
+    assert done.returncode == 1 and done.stderr.startswith(f"error: {second}: holds the frequencies")
+    assert not (kept.folder / "merged.h5").exists()
+    shutil.rmtree(kept.folder / "results/tiny/subgoal_frequencies/rooms")
+
+
+# -- disk -------------------------------------------------------------------------------------------------------
+
+COMMANDS = {
+    "learn": ["learn", "--map", "rooms.txt", "--environment", "rooms", "--tasks", "AB", "--method", "ptl", "--seed",
+              "0", "--root-seed", "1", "--output", "{}/learned.h5"],
+    "grow": ["grow", "--map", "rooms.txt", "--environment", "rooms", "--tasks", "3", "--run", "0", "--root-seed",
+             "1", "--output", "{}/grown.h5"],
+    "survey": ["survey", "batch", "--map", "rooms.txt", "--environment", "rooms", "--batch", "0", "--batches", "1",
+               "--root-seed", "1", "--starts", "2", "--output", "{}/batch_0.h5"],
+}  # fmt: skip
+"""The commands that write results."""
+
+
+@pytest.mark.parametrize("limit", [0, 20])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_full_disk_is_one_line_and_leaves_nothing(undisturbed, command, limit):
+    """A limit on the size of files, which fails like a full disk and needs no special rights."""
+    folder = undisturbed.folder / f"full_{command}_{limit}"
+    arguments = [part.format(folder.name) for part in COMMANDS[command]]
+    done = undisturbed.ptl(*arguments, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
+    assert done.returncode == 1, done.stderr
+    [line] = done.stderr.splitlines()
+    assert line.startswith("error: ") and f"{folder.name}/" in line and "cannot be written" in line
+    assert list(folder.rglob("*")) == []
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_unwritable_place_is_one_line(undisturbed, command):
+    """A file where a folder is needed: unwritable for root as well."""
+    (undisturbed.folder / "blocked").write_text("")
+    done = undisturbed.ptl(*(part.format("blocked") for part in COMMANDS[command]))
+    assert done.returncode == 1
+    [line] = done.stderr.splitlines()
+    assert line.startswith("error: ") and "cannot be written" in line
+
+
+def test_disk_that_fills_up_while_writing(tmp_path):
+    """At every size between nothing and the whole file, the old product stays and no other appears."""
+    path = tmp_path / "product.bin"
+    write_text(path, "old")
+    code = (
+        "import resource, sys; from ptl.files.atomic import atomic_path\n"
+        "limit = int(sys.argv[2]); resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))\n"
+        "with atomic_path(sys.argv[1]) as place: place.write_bytes(b'x' * 5000)\n"
+    )
+    for limit in (0, 1, 4096, 4999):
+        done = subprocess.run([sys.executable, "-c", code, path, str(limit)], capture_output=True, text=True)
+        assert "cannot be written (File too large)" in done.stderr
+        assert path.read_text() == "old" and list(tmp_path.iterdir()) == [path]
+
+
+def test_unfinished_files_are_not_products(tmp_path):
+    (tmp_path / "results/learning").mkdir(parents=True)
+    with pytest.raises(KeyboardInterrupt), atomic_path(tmp_path / "results/learning/a.h5") as temporary:
+        assert temporary.name.startswith(UNFINISHED) and temporary.suffix == ".h5"
+        assert checkable(tmp_path) == []
+        copy = temporary.with_name(f"{UNFINISHED}left-a.h5")
+        shutil.copy(temporary, copy)
+        raise KeyboardInterrupt
+    assert not temporary.exists() and copy.exists()
+    (tmp_path / "results/kept.csv").write_text("")
+    remove_unfinished(tmp_path / "results", tmp_path / "no such folder")
+    assert [path.name for path in tmp_path.rglob("*") if path.is_file()] == ["kept.csv"]

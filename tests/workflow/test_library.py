@@ -1,0 +1,69 @@
+"""``import ptl`` as a library: the public names, the Gymnasium view, and what an import costs."""
+
+from __future__ import annotations
+
+import doctest
+import subprocess
+import sys
+import warnings
+
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from projects import ROOT
+
+import ptl
+from ptl.world.gymnasium_env import GridWorldEnv
+
+
+def test_every_public_name_is_there_and_documented():
+    for name in ptl.__all__:
+        thing = getattr(ptl, name)
+        assert isinstance(thing, str) or thing.__doc__, name
+    assert set(ptl.__all__) <= set(dir(ptl))
+    with pytest.raises(AttributeError, match="no attribute 'nothing'"):
+        _ = ptl.nothing
+
+
+def test_the_example_of_the_package_runs(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    assert doctest.testmod(ptl).attempted >= 3
+    assert doctest.testmod(ptl).failed == 0
+
+
+def test_a_learning_job_imports_nothing_that_it_does_not_need():
+    code = "import sys, ptl.cli.learn, ptl.learning.life, ptl.files.results, ptl.methods.ptl; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert "numpy" in loaded and "h5py" in loaded
+    for module in ("pandas", "scipy", "matplotlib", "snakemake", "yaml", "jinja2", "gymnasium"):
+        assert module not in loaded, module
+
+
+@pytest.mark.parametrize("random_start", [False, True])
+def test_gymnasium_view_passes_the_checker(env2, random_start):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        check_env(GridWorldEnv(env2, "C", random_start=random_start), skip_render_check=True)
+
+
+def test_gymnasium_view_walks_as_the_kernel_does(env2):
+    env = GridWorldEnv(env2, "A", render_mode="ansi")
+    learner = ptl.Learner(ptl.Dynamics(env2.successors), env2.goals["A"], np.random.SFC64(1))
+    learner.begin_episode(env2.start)
+    state, _ = env.reset(seed=0)
+    terminated, steps = False, 0
+    while not terminated:
+        learner.explore(budget=1)
+        action = next(a for a in range(4) if env2.successors[state, a] == learner.state)
+        state, reward, terminated, truncated, _ = env.step(np.int64(action))
+        steps += 1
+        assert state == learner.state and not truncated and reward == float(terminated)
+    assert learner.at_goal and steps == learner.steps
+    assert env.render().count("@") == 1
+
+
+def test_gymnasium_random_starts_never_lie_on_the_goal(env2):
+    env = GridWorldEnv(env2, "A", random_start=True)
+    env.reset(seed=3)
+    starts = {int(env.reset()[0]) for _ in range(3000)}
+    assert env2.goals["A"] not in starts and len(starts) == env2.n_states - 1

@@ -1,0 +1,35 @@
+"""The published products are tracked, and that must not keep a first run from making them."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+from fnmatch import fnmatch
+from pathlib import Path
+
+from projects import ROOT, Project
+
+PUBLISHED = ROOT / "reports/published"
+
+
+def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path):
+    project = Project(tmp_path, None)
+    pages = shutil.ignore_patterns("report.html", "explorer.html")
+    shutil.copytree(PUBLISHED, tmp_path / "reports/published", ignore=pages)
+    jobs = project.waiting()
+    assert (jobs["learn"], jobs["grow"], jobs["survey_batch"]) == (540, 30, 24)
+    for rule in ("collect_growth", "draw_figure", "tabulate", "judge_claims", "policy_reuse_table", "manifest"):
+        assert rule in jobs
+
+
+APART = ("manifest.json", "*.sha256", "robustness/*", "benchmark.*", "scaling.*")
+"""Tracked files that are no products of the main run, or hold checksums themselves."""
+
+
+def test_the_manifest_names_every_product_of_the_main_run():
+    command = ["git", "ls-files", "."]
+    listed = subprocess.run(command, cwd=PUBLISHED, capture_output=True, text=True, check=True).stdout
+    tracked = {name for name in listed.splitlines() if not any(fnmatch(name, pattern) for pattern in APART)}
+    assert len(tracked) > 80
+    assert set(json.loads((PUBLISHED / "manifest.json").read_text())["products"]) == tracked

@@ -1,0 +1,189 @@
+"""The workflow as a whole, run by Snakemake on a copy of the checkout."""
+
+from __future__ import annotations
+
+import h5py
+import pandas as pd
+import pytest
+from projects import MAPS, ROOMS, Project, errors_of
+
+from ptl import methods
+
+# -- the smoke run ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def smoke(tmp_path_factory) -> Project:
+    project = Project(tmp_path_factory.mktemp("smoke"), None)
+    project.make("--configfile", "config/smoke.yaml")
+    return project
+
+
+@pytest.mark.slow
+def test_smoke_makes_every_product(smoke):
+    results, reports = smoke.folder / "results/smoke", smoke.folder / "reports/smoke"
+    for environment in ("env1", "env2", "env3"):
+        for method in methods.names():
+            for seed in range(2):
+                with h5py.File(results / f"learning/{environment}/{method}/seed_{seed:03d}.h5") as file:
+                    assert list(file["tasks"]) == list("ABCDEF")
+        with h5py.File(results / f"subgoal_frequencies/{environment}.h5") as file:
+            assert file["counts"][()].sum() + file["unresolved"][()] == file["pairs"][()] > 0
+    assert len(list((results / "growth").glob("run_*.h5"))) == 2
+    for number in range(1, 7):
+        for suffix in ("html", "md", "tex", "csv"):
+            assert (reports / f"tables/table{number}.{suffix}").stat().st_size > 200
+    for name in [f"figure{number:02d}" for number in range(3, 15)] + ["library_cost"]:
+        assert (reports / f"figures/{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert "</svg>" in (reports / f"figures/{name}.svg").read_text()
+        assert len(pd.read_csv(reports / f"figures/{name}.csv")) > 0
+
+
+@pytest.mark.slow
+def test_per_seed_measures_are_those_of_the_files(smoke):
+    per_seed = pd.read_csv(smoke.folder / "reports/smoke/tables/per_seed.csv")
+    assert len(per_seed) == 3 * 6 * 6 * 2
+    assert (per_seed.loc[per_seed.method == "no_transfer", ["jump_start", "transfer_ratio"]] == 0).all(axis=None)
+    per_seed = per_seed.set_index(["environment", "method", "task", "seed"])
+    learning = smoke.folder / "results/smoke/learning"
+    for place in [("env2", "ptl", "C", 1), ("env3", "policy_reuse", "F", 0), ("env1", "full_transfer", "B", 1)]:
+        environment, method, task, seed = place
+        with h5py.File(learning / environment / method / f"seed_{seed:03d}.h5") as file:
+            steps = file[f"tasks/{task}/steps"][()]
+        with h5py.File(learning / environment / f"no_transfer/seed_{seed:03d}.h5") as file:
+            base = file[f"tasks/{task}/steps"][()]
+        row = per_seed.loc[place]
+        assert row.first_episode == steps[0]
+        assert row.asymptotic == pytest.approx(steps[-10:].mean(), rel=1e-5)
+        assert row.total_steps == steps.sum()
+        assert row.jump_start == base[0] - steps[0]
+        assert row.transfer_ratio == pytest.approx((base.sum() - steps.sum()) / base.sum(), rel=1e-5)
+
+
+# -- a tiny run -------------------------------------------------------------------------------------------------
+
+
+def test_second_run_has_nothing_to_do(tiny):
+    assert "Nothing to be done" in tiny.make()
+
+
+def test_report_holds_the_products(tiny, tmp_path):
+    printed = tiny.make("--report", str(tmp_path / "report.html"))
+    assert "WARNING" not in printed and "rror in" not in printed, printed[-3000:]
+    page = (tmp_path / "report.html").read_text()
+    for item in ("figure12.png", "table1.html", "claims.html"):
+        assert item in page
+
+
+@pytest.mark.parametrize(
+    ("edited", "reruns", "spares"),
+    [
+        ("ptl/report/figures/maps.py", {"draw_figure": 1}, {"learn", "grow", "survey_batch", "measure"}),
+        ("ptl/report/metric_tables.py", {"tabulate": 1}, {"learn", "grow", "survey_batch", "draw_figure"}),
+        ("ptl/methods/policy_reuse.py", {"learn": 2}, {"grow", "survey_batch"}),
+        ("ptl/agent/subgoals.py", {"learn": 6, "grow": 2}, {"library_cost"}),
+    ],
+)
+def test_an_edit_reruns_what_depends_on_it_and_nothing_else(tiny, edited, reruns, spares):
+    path = tiny.folder / edited
+    original = path.read_text()
+    try:
+        path.write_text(original + "\n# edited\n")
+        waiting = tiny.waiting()
+    finally:
+        path.write_text(original)
+    assert reruns.items() <= waiting.items() and not spares & set(waiting), waiting
+
+
+def test_editing_the_kernel_demands_a_build(tiny):
+    path = tiny.folder / "ptl/agent/_kernel.pyx"
+    original = path.read_text()
+    try:
+        path.write_text(original + "\n# edited\n")
+        [line] = errors_of(tiny.snakemake("-n"))
+    finally:
+        path.write_text(original)
+    assert "ptl.agent._kernel was built from other sources" in line
+
+
+def test_one_core_gives_the_same_bytes_as_two(tiny, tmp_path):
+    other = Project(tmp_path)
+    other.make(cores=1)
+    assert other.files("results", "reports") == tiny.files("results", "reports")
+
+
+def test_damaged_file_is_named_and_the_advised_command_mends_it(tiny):
+    path = tiny.folder / "results/tiny/learning/rooms/ptl/seed_001.h5"
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    (tiny.folder / "reports/tiny/tables/per_seed.csv").unlink()
+    done = tiny.snakemake("reports/tiny/tables/per_seed.csv")
+    assert done.returncode != 0
+    [line] = [line for line in (done.stderr + done.stdout).splitlines() if line.strip().startswith("error:")][:1]
+    assert "results/tiny/learning/rooms/ptl/seed_001.h5: damaged" in line and "snakemake" in line
+    path.unlink()
+    tiny.make("results/tiny/learning/rooms/ptl/seed_001.h5")
+    assert path.read_bytes() == whole
+    tiny.make("reports/tiny/tables/per_seed.csv")
+    assert tiny.waiting() == {}
+
+
+@pytest.mark.parametrize(
+    ("override", "says"),
+    [
+        ("seeds=0", "configuration key seeds: 0 is not allowed; give a whole number >= 1"),
+        ("methods=[ptl,sarsa]", "unknown method 'sarsa'"),
+        ("learnin={}", "configuration key learnin: unknown"),
+    ],
+)
+def test_bad_configuration_ends_in_one_line(tiny, override, says):
+    before = tiny.files("results")
+    [line] = errors_of(tiny.snakemake("--config", override))
+    assert says in line
+    assert tiny.files("results") == before
+
+
+def test_bad_map_ends_in_one_line(tiny):
+    path = tiny.folder / "rooms.txt"
+    path.write_text(ROOMS.replace("I", "."))
+    try:
+        [line] = errors_of(tiny.snakemake())
+    finally:
+        path.write_text(ROOMS)
+    assert line == "error: rooms.txt: no start; put the letter 'I' on a free cell"
+
+
+def test_a_lock_left_behind_is_taken_away(tiny):
+    """test_faults.py has one that is not."""
+    locks = tiny.folder / ".snakemake/locks"
+    locks.mkdir(parents=True, exist_ok=True)
+    path = tiny.folder / "results/tiny/learning/rooms/ptl/seed_000.h5"
+    name = path.relative_to(tiny.folder)
+    (locks / "0.input.lock").write_text("rooms.txt\n")
+    (locks / "0.output.lock").write_text(f"{name}\n")
+    whole = path.read_bytes()
+    path.unlink()
+    assert "locked" in tiny.snakemake(name).stderr
+    done = tiny.ptl("workflow", "-j2", name)
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("show-map", "ragged.txt"), "error: ragged.txt: row 2 has 1 cells but row 1 has 3"),
+        (("show-map", "none.txt"), "error: none.txt: cannot be read"),
+        (("inspect", "none.h5"), "error: none.h5: no such file"),
+    ],
+)
+def test_commands_end_in_one_line_on_bad_input(tiny, arguments, says):
+    (tiny.folder / "ragged.txt").write_text("I..\nA\n")
+    [line] = errors_of(tiny.ptl(*arguments))
+    assert line.startswith(says)
+
+
+def test_commands_that_people_call_are_there(tiny):
+    for command in ("learn", "inspect", "verify", "show-map"):
+        assert tiny.ptl(command, "--help").returncode == 0
+    assert "#" in tiny.ptl("show-map", MAPS / "env1.txt").stdout

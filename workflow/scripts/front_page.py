@@ -1,0 +1,15 @@
+"""Compose the first page of the report."""
+
+from ptl import methods
+from ptl.files.atomic import write_text
+from ptl.files.csv import read_csv
+from ptl.report.front_page import compose
+from ptl.report.job import running
+
+with running(snakemake) as job:
+    labels = {name: methods.load(name).label for name in job.methods}
+    claims = read_csv(job.input.claims, keep_default_na=False)
+    write_text(
+        job.output[0],
+        compose(claims, read_csv(job.input.metrics), job.titles, job.last_tasks, labels),
+    )

@@ -1,0 +1,22 @@
+"""Estimate every measure with its interval and lay out the article's tables."""
+
+from pathlib import Path
+
+from ptl import methods
+from ptl.files.csv import write_csv
+from ptl.report.job import running
+from ptl.report.metric_tables import build_tables, write_tables
+from ptl.study.statistics import Resampling, read_per_seed, summarise
+
+with running(snakemake) as job:
+    statistics = job.groups.statistics
+    metrics = summarise(
+        read_per_seed(job.input.per_seed),
+        Resampling(statistics.confidence, statistics.resamples),
+    )
+    looks = {name: (methods.load(name).label, methods.load(name).colour) for name in job.methods}
+    write_csv(metrics, job.output.metrics, sealed=True)
+    write_tables(
+        build_tables(metrics, job.groups.measures, statistics, looks, job.titles),
+        Path(job.output.metrics).parent,
+    )
