@@ -41,10 +41,16 @@ def origin(
 
 
 def write_life(
-    folder: Path, method: str, seed: int = 0, *, world: GridWorld = ROOMS, parameters: Parameters = QUICK
+    folder: Path,
+    method: str,
+    seed: int = 0,
+    *,
+    world: GridWorld = ROOMS,
+    tasks: str = "",
+    parameters: Parameters = QUICK,
 ) -> Path:
     """Learn and write one life; return the path, named as in a run."""
     path = folder / world.name / method / f"seed_{seed:03d}.h5"
-    life = live(method, seed, world=world, parameters=parameters)
+    life = live(method, seed, world=world, tasks=tasks, parameters=parameters)
     write_learning(path, life, world, origin(method, seed, world=world, parameters=parameters))
     return path

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -39,23 +39,6 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         if temporary is not None:
             temporary.unlink(missing_ok=True)
-
-
-def expand_numbers(paths: Iterable[str | os.PathLike[str]]) -> list[Path]:
-    """Write out ranges of numbers in paths: ``seed_[0-29].h5`` stands for seed_000.h5 to seed_029.h5.
-
-    A command line cannot hold the names of thousands of files.
-    """
-    found = []
-    for path in map(str, paths):
-        before, _, rest = path.rpartition("[")
-        numbers, closed, after = rest.partition("]")
-        first, _, last = numbers.partition("-")
-        if closed and first.isdecimal() and last.isdecimal():
-            found += [Path(f"{before}{number:03d}{after}") for number in range(int(first), int(last) + 1)]
-        else:
-            found.append(Path(path))
-    return found
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:

@@ -61,7 +61,7 @@ class Job:
     @property
     def titles(self) -> dict[str, str]:
         """The name of each environment as readers see it."""
-        return {name: entry.title or name for name, entry in self.environments.items()}
+        return {name: entry.title for name, entry in self.environments.items()}
 
     @property
     def last_tasks(self) -> dict[str, str]:

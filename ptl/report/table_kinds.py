@@ -14,8 +14,7 @@ KINDS = {
 
 def table_labels(environments: Mapping[str, Any]) -> dict[str, str]:
     """Return the name and the label of every table of a run."""
-    places = [entry["title"] or name for name, entry in environments.items()]
-    titles = [table_title(kind, place) for place in places for kind in KINDS]
+    titles = [table_title(kind, entry["title"]) for entry in environments.values() for kind in KINDS]
     return {f"table{index}": f"Table {index}. {title}" for index, title in enumerate(titles, start=1)}
 
 

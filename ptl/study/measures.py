@@ -271,7 +271,7 @@ def measure(
     Parameters
     ----------
     runs : sequence of Runs
-        Environments and methods keep the order in which they first appear here; tasks are in alphabetical order.
+        Environments, their tasks and methods keep the order in which they first appear here.
     worlds : mapping of environment to GridWorld
     window, threshold_factor
         See `Curves`.
@@ -282,8 +282,16 @@ def measure(
         When the window is longer than a task.
     """
     by_names = {own.names: own for own in runs}
+    tasks = list(dict.fromkeys((own.environment, own.task) for own in runs))
     environments, methods = (list(dict.fromkeys(names[place] for names in by_names)) for place in (0, 1))
-    in_order = sorted(runs, key=lambda own: (environments.index(own.environment), own.task, methods.index(own.method)))
+    in_order = sorted(
+        runs,
+        key=lambda own: (
+            environments.index(own.environment),
+            tasks.index((own.environment, own.task)),
+            methods.index(own.method),
+        ),
+    )
     frames = []
     for own in in_order:
         world = worlds[own.environment]
@@ -302,7 +310,7 @@ def measure(
         pd.concat([_subgoals(own, worlds[own.environment]) for own in runs if own.names[:2] == learner])
         for learner in learners
     ]
-    subgoals = [part.sort_values(["seed", "task"]) for part in parts]
+    subgoals = [part.sort_values("seed", kind="stable") for part in parts]
     return Measurements(
         per_seed=pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(PER_SEED_COLUMNS)),
         subgoals=pd.concat(subgoals, ignore_index=True) if subgoals else pd.DataFrame(columns=list(SUBGOAL_COLUMNS)),
@@ -349,7 +357,7 @@ def measure_files(
     Parameters
     ----------
     paths : paths of learning files
-        Environments and methods keep the order in which they first appear here.
+        Environments and methods keep the order in which they first appear here, tasks that in which they were learned.
     window, threshold_factor
         See `Curves`.
     admit : callable, optional

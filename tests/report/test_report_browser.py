@@ -27,7 +27,7 @@ def page(browser, address):
     browser.get_log("browser")
     browser.get(address)
     wait = WebDriverWait(browser, 20)
-    wait.until(lambda driver: "What was asked" in driver.find_element(By.TAG_NAME, "body").text)
+    wait.until(lambda driver: "Question." in driver.find_element(By.TAG_NAME, "body").text)
     return browser
 
 
@@ -42,9 +42,9 @@ def click(page, words: str) -> None:
     found[0].click()
 
 
-def test_front_page_says_what_was_asked_and_found(page):
+def test_front_page_asks_and_answers(page):
     assert "Partial transfer learning: a reproduction" in text(page)
-    assert "What was found. Of 24 claims" in text(page)
+    assert "Result. Of 24 claims" in text(page)
     assert "Transfer ratio on the last task" in text(page)
 
 
@@ -52,11 +52,11 @@ def test_front_page_says_what_was_asked_and_found(page):
     ("category", "item"),
     [
         ("1 Verdicts", "Claims: verdict and numbers for every claim"),
-        ("1 Verdicts", "Differences: the article's numbers beside ours, and why they differ"),
+        ("1 Verdicts", "Differences: the article's statements beside our numbers"),
         ("2 Figures", "growth of the skill library"),
         ("2 Figures", "Discovery"),
         ("2 Figures", "map of "),
-        ("3 Tables", "total performance, transfer ratio"),
+        ("3 Tables", "Table 2. Total performance and transfer ratio"),
         ("2 Figures", "steps per episode on the last task"),
         ("5 Checks", "gain in Fernandez and Veloso's own experiment"),
     ],

@@ -186,6 +186,16 @@ def test_frame_pairs_each_seed_with_its_base(shelf):
     assert frame["threshold_episode"][1] == 3
 
 
+def test_tasks_keep_the_order_in_which_they_were_learned(shelf):
+    for seed in (0, 1):
+        for task in "CAB":
+            shelf.put("no_transfer", seed, [9, 9, 9], task=task)
+            shelf.put("ptl", seed, [9, 9, 9], task=task, library=[])
+    found = measure(shelf)
+    assert found.per_seed["task"].unique().tolist() == ["C", "A", "B"]
+    assert found.subgoals[["seed", "task"]].to_numpy().tolist() == [[seed, task] for seed in (0, 1) for task in "CAB"]
+
+
 def test_without_the_base_comparisons_are_empty(shelf):
     shelf.put("ptl", 0, [40, 10, 8])
     frame = measure(shelf).per_seed
@@ -289,22 +299,23 @@ def test_learning_files_give_the_measures_of_their_lives(tmp_path):
     lives, paths = {}, []
     for method in ("no_transfer", "ptl"):
         for seed in (0, 1):
-            life = learn_life(world, tasks_of(world, "AC"), method, parameters, 7, "tiny", seed)
+            life = learn_life(world, tasks_of(world, "CA"), method, parameters, 7, "tiny", seed)
             origin = {"environment": "tiny", "method": method, "seed": seed, "root_seed": 7, "code": "-"}
             paths.append(tmp_path / f"{method}_{seed}.h5")
             write_learning(paths[-1], life, world, origin | {"parameters": parameters.to_dict()})
             lives[method, seed] = life
     found = measures.measure_files(paths, 3, 1.5)
     assert len(found.per_seed) == 2 * 2 * 2
+    assert found.per_seed["task"].unique().tolist() == ["C", "A"]
     for row in found.per_seed.itertuples():
-        record = lives[row.method, row.seed].records["AC".index(row.task)]
+        record = lives[row.method, row.seed].records["CA".index(row.task)]
         assert row.first_episode == record.steps[0]
         assert row.total_steps == record.steps.sum()
-        base = lives["no_transfer", row.seed].records["AC".index(row.task)].steps
+        base = lives["no_transfer", row.seed].records["CA".index(row.task)].steps
         assert row.transfer_ratio == pytest.approx(1 - record.steps.sum() / base.sum())
     assert set(found.subgoals["method"]) == {"ptl"}
     measures.write_steps(tmp_path / "steps.h5", found)
     with h5py.File(tmp_path / "steps.h5") as file:
         assert file.attrs["seeds"].tolist() == [0, 1]
         assert file["tiny/ptl/C"].dtype == np.int64
-        np.testing.assert_array_equal(file["tiny/ptl/C"][1], lives["ptl", 1].records[1].steps)
+        np.testing.assert_array_equal(file["tiny/ptl/C"][1], lives["ptl", 1].records[0].steps)

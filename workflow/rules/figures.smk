@@ -67,7 +67,7 @@ rule draw_figure:
             caption="../report/figure.rst",
             category=lambda wildcards: FIGURES[wildcards.figure].category,
             labels=lambda wildcards: {
-                "item": item_label(wildcards.figure),
+                "item": item_label(wildcards.figure, FIGURES[wildcards.figure]),
                 "shows": FIGURES[wildcards.figure].shows,
             },
         ),

@@ -37,6 +37,8 @@ class Figure:
         Methods that it shows, in the order of the legend.
     category : str
         Section of the report.
+    item : str
+        Name in the report of a figure without a number.
     """
 
     module: str
@@ -47,6 +49,7 @@ class Figure:
     environments: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
     category: str = "2 Figures"
+    item: str = ""
 
 
 def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
@@ -86,11 +89,12 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
         **{
             _item(entries, name, "map"): Figure(
                 "maps",
-                f"map of {title_of(entries, name)}",
+                f"map of {entries[name]['title']}",
                 "The map with the start I and the goals of the tasks. docs/reconstruction.md says where each drawing"
                 " comes from.",
                 needs=("maps",),
                 environments=(name,),
+                item="Map",
             )
             for name in names
         },
@@ -106,13 +110,14 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
         **{
             _item(entries, name, "discovery"): Figure(
                 "discovery",
-                f"subgoal discovery in {title_of(entries, name)}",
+                f"subgoal discovery in {entries[name]['title']}",
                 "The FD metric (frequency times distance) after late tasks, original and incremental, on the same"
                 f" trajectories, those of the ptl runs; mean over {seeds} seeds. Circles mark the chosen subgoals;"
                 " their area grows with the number of seeds.",
                 needs=("learning",),
                 environments=(name,),
                 methods=("ptl",),
+                item="Discovery",
             )
             for name in names
         },
@@ -150,6 +155,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             "Operations of one skill selection, counted, against the size of the library, and the bytes of a library"
             " against states and skills.",
             needs=("selection_cost", "library_bytes"),
+            item="Library",
         ),
         "policy_reuse_fv": Figure(
             "policy_reuse_experiment",
@@ -162,19 +168,15 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             needs=("policy_reuse_experiment",),
             groups=("statistics",),
             category="5 Checks",
+            item="Policy reuse",
         ),
     }
     return {name: row for name, row in rows.items() if set(row.methods) <= compared}
 
 
-def title_of(environments: Mapping[str, Any], name: str) -> str:
-    """Return the name of an environment in labels and figures."""
-    return environments[name]["title"] or name
-
-
-def item_label(name: str) -> str:
-    """Return the name of a figure for readers: ``figure09`` is Figure 09, ``map_rooms`` is Map."""
-    return f"Figure {name.removeprefix('figure')}" if name.startswith("figure") else name.partition("_")[0].capitalize()
+def item_label(name: str, row: Figure) -> str:
+    """Return the name of a figure for readers: ``figure09`` is Figure 09, others are called as their row says."""
+    return f"Figure {name.removeprefix('figure')}" if name.startswith("figure") else row.item
 
 
 def _item(environments: Mapping[str, Any], name: str, kind: str) -> str:

@@ -42,7 +42,7 @@ class Discoveries:
 def make(job: Job) -> tuple[Figure, pd.DataFrame]:
     """Draw the metrics of the tasks that the configuration names, the last three by default."""
     [(name, entry)] = job.environments.items()
-    discoveries = collect(job.input.learning, entry.discovery_tasks or entry.tasks[-3:])
+    discoveries = collect(job.input.learning, entry.discovery_tasks)
     return draw(discoveries, job.titles[name]), discoveries.frame
 
 

@@ -191,7 +191,7 @@ def target_frame(setting: RawSetting) -> pd.DataFrame:
             continue
         per_seed = setting.evidence.per_seed
         own = per_seed[per_seed["environment"] == target.environment]
-        for letter in target.tasks or sorted(set(own["task"]))[1:]:
+        for letter in target.tasks or own["task"].unique()[1:]:
             for method in target.methods:
                 names = (target.environment, letter, method)
                 try:
