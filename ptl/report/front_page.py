@@ -9,6 +9,7 @@ import pandas as pd
 from ptl.report.templating import render
 from ptl.study.claims.verdict import Verdict
 from ptl.study.measures import BASE
+from ptl.study.sample_size import note
 from ptl.text import estimate
 
 
@@ -16,7 +17,7 @@ def compose(
     claims: pd.DataFrame,
     metrics: pd.DataFrame,
     titles: Mapping[str, str],
-    last_tasks: Mapping[str, str],
+    tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> str:
     """Compose the page as reStructuredText.
@@ -27,19 +28,23 @@ def compose(
         Columns id, verdict.
     metrics : DataFrame
         The table of estimates.
-    titles, last_tasks : mapping
-        Title and last task of each environment.
+    titles, tasks : mapping
+        Title and tasks of each environment. One with a single task is left out of the main table, because nothing is
+        transferred in a first task.
     labels : mapping
         Name of each method as readers see it.
     """
     counts = claims["verdict"].value_counts()
+    last_tasks = {name: letters[-1] for name, letters in tasks.items() if len(letters) > 1}
+    seeds = int(metrics["seeds"].max())
     chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
     return render(
         "front_page.rst",
         claims=len(claims),
         counts=[(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
         failing=list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
-        seeds=int(metrics["seeds"].max()),
+        seeds=seeds,
+        with_interval=note(seeds, "its interval"),
         heads=[f"{titles[name]}, task {task}" for name, task in last_tasks.items()],
         rows=[
             (label, [_ratio(chosen, (name, task, method)) for name, task in last_tasks.items()])

@@ -20,6 +20,7 @@ from ptl.report import table
 from ptl.report.table import Cell, Group, Row, Table
 from ptl.report.table_kinds import KINDS, table_title
 from ptl.study.measures import BASE, MEASURES
+from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.text import MISSING, interval, number, percent
 
 NOT_REACHED = "not reached"
@@ -231,12 +232,17 @@ def _kind_notes(kind: str, measures: Any) -> list[str]:
 
 
 def _common_notes(frame: pd.DataFrame, statistics: Any, methods: Mapping[str, tuple[str, str]]) -> list[str]:
-    runs = " or ".join(map(str, sorted({int(n) for n in frame["seeds"]})))
+    seeds = sorted({int(n) for n in frame["seeds"]})
+    intervals = (
+        f"in brackets the {percent(statistics.confidence)} bootstrap interval of the mean (BCa,"
+        f" {number(statistics.resamples)} resamples; paired by seed where a method is compared with the base; none for"
+        f" fewer than {FEWEST_FOR_INTERVAL} values)."
+        if seeds[-1] >= FEWEST_FOR_INTERVAL
+        else f"no intervals, which take at least {FEWEST_FOR_INTERVAL} seeds."
+    )
     notes = [
-        f"Mean ± standard deviation over {runs} seeds of this reproduction; in brackets the"
-        f" {percent(statistics.confidence)} bootstrap interval of the mean (BCa, {number(statistics.resamples)}"
-        " resamples; paired by seed where a method is compared with the base). Best value of a column within a task in"
-        " bold; none in the first task.",
+        f"Mean ± standard deviation over {' or '.join(map(str, seeds))} seeds of this reproduction; {intervals} Best"
+        " value of a column within a task in bold; none in the first task.",
     ]
     if BASE in set(frame["method"]):
         notes.append(

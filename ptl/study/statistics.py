@@ -4,12 +4,12 @@ scipy resamples; this module chooses the samples and decides when there is no in
 
 * Intervals of means and ratios are bias-corrected and accelerated (BCa), because step counts are strongly
   skewed. Where BCa is undefined (the estimate is at the edge of its bootstrap distribution) the percentile
-  interval of the same resamples is taken. Equal values give an interval of no width, a single value gives
-  none (NaN).
+  interval of the same resamples is taken. Equal values give an interval of no width; fewer values than
+  `FEWEST_FOR_INTERVAL` give none (NaN).
 * A comparison with the base is paired by seed where it is a difference or a ratio; the probability of
   improvement compares all cross pairs, as rliable does (Agarwal et al., NeurIPS 2021), and has a percentile
   interval.
-* A share of seeds has a Wilson interval.
+* A share of seeds has a Wilson interval, of that many seeds or more.
 * The random stream of every number is derived from the names of that number alone, so that adding a method,
   a task or an environment to a run moves no other number.
 """
@@ -29,6 +29,7 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.study.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_COLUMNS, Better, Measure
+from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.study.tables import read_table
 
 TRIMMED_SHARE = 0.25
@@ -150,6 +151,8 @@ def share(count: int, total: int, how: Resampling) -> Estimate:
     """Return ``count / total`` with its Wilson interval."""
     if total == 0:
         return UNDEFINED
+    if total < FEWEST_FOR_INTERVAL:
+        return Estimate(count / total, np.nan, np.nan)
     interval = stats.binomtest(count, total).proportion_ci(how.confidence, method="wilson")
     return Estimate(count / total, float(interval.low), float(interval.high))
 
@@ -186,7 +189,7 @@ def _bootstrap(
     if smallest == 0:
         return UNDEFINED
     value = float(statistic(*samples))
-    if smallest == 1:
+    if smallest < FEWEST_FOR_INTERVAL:
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)

@@ -183,7 +183,7 @@ def test_opens_with_ptl_beside_no_transfer_on_the_last_task(page):
     assert page.text("#stage1 select option:checked") == "PTL"
     assert page.text("#stage2 select option:checked") == "No transfer"
     assert page.find("input[name=task]:checked").get_attribute("value") == "B"
-    assert "one goal after another: C, then A, up to B. Of each new" in " ".join(page.text(".lead").split())
+    assert "one goal after another: C, then A and B. Of each new" in " ".join(page.text(".lead").split())
     assert page.find("#stage2").is_displayed()
 
 

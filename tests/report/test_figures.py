@@ -38,7 +38,7 @@ MAP = """\
 #########
 """
 PARAMETERS = Parameters.from_dict({"learning": {"episodes": 30}, "subgoals": {"trajectories": 10}})
-SEEDS, RUNS = 3, 4
+SEEDS, RUNS = 5, 5
 TWO_SLOPES = TwoSlopes(bend=7, intercept=0.5, before=0.6, after=0.2)
 
 

@@ -22,7 +22,7 @@ LABELS = {"no_transfer": "No transfer", "ptl": "PTL", "full_transfer": "Full tra
 
 def page(**changes) -> str:
     arguments = {"claims": CLAIMS, "metrics": METRICS, "titles": {"env1": "Environment 1"},
-                 "last_tasks": {"env1": "F"}, "labels": LABELS} | changes  # fmt: skip
+                 "tasks": {"env1": "EF"}, "labels": LABELS} | changes  # fmt: skip
     return compose(**arguments)
 
 
@@ -38,6 +38,12 @@ def test_front_page_shows_the_main_table_without_the_base():
     assert "0.9 [0.8, 1]" in text and "−0.4 [−0.5, −0.3]" in text
     assert "* - No transfer" not in text
     assert "not in this run" in page(labels={**LABELS, "policy_reuse": "Policy reuse"})
+
+
+def test_front_page_heads_nothing_with_a_first_task_and_says_why_intervals_are_missing():
+    assert "Transfer ratio on the last task" not in page(tasks={"env1": "F"})
+    assert "30 seeds with its interval;" in page()
+    assert "3 seeds (no interval: fewer than 5);" in page(metrics=METRICS.assign(seeds=3))
 
 
 def test_front_page_is_proper_restructured_text():

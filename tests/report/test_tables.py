@@ -36,7 +36,7 @@ def per_seed() -> pd.DataFrame:
     for environment in ("env1", "env2"):
         for task in "AB":
             for method, size in FIRST_EPISODES.items():
-                for seed in range(4):
+                for seed in range(5):
                     base, own = 1000 + 100 * seed, size + 100 * seed
                     missed = method == "full_transfer" or (method == "no_transfer" and seed > 0)
                     rows.append(
@@ -144,7 +144,7 @@ def test_a_comparison_shows_its_improvement_once():
 def test_cells_show_mean_deviation_interval_and_improvement(built):
     table, _ = built[1]
     total = cell(table, "B", "ptl", "Total performance", "steps")
-    assert total.text == "2,500 ± 1,291"  # deviation of 1000, 2000, 3000, 4000
+    assert total.text == "3,000 ± 1,581"  # deviation of 1000, 2000, 3000, 4000, 5000
     assert re.fullmatch(r"\[[\d,]+, [\d,]+\]", total.detail) and total.best
     assert cell(table, "B", "ptl", "Total performance", "P").text == "1"
 
@@ -160,10 +160,10 @@ def test_a_threshold_that_no_seed_reached_has_no_number(built):
     table, _ = built[0]
     never = cell(table, "B", "full_transfer", "Time to threshold", "episodes")
     assert (never.text, never.detail, never.best) == ("not reached", "", False)
-    assert cell(table, "B", "full_transfer", "Time to threshold", "reached").text == "0 of 4"
+    assert cell(table, "B", "full_transfer", "Time to threshold", "reached").text == "0 of 5"
     once = cell(table, "B", "no_transfer", "Time to threshold", "episodes")
     assert (once.text, once.best) == ("12", False)
-    assert cell(table, "B", "no_transfer", "Time to threshold", "reached").text == "1 of 4"
+    assert cell(table, "B", "no_transfer", "Time to threshold", "reached").text == "1 of 5"
     assert cell(table, "B", "ptl", "Time to threshold", "episodes").best
 
 
@@ -176,13 +176,13 @@ def test_the_base_is_zero_by_definition(built):
 def test_both_transfer_ratios_are_told_apart(built):
     units = ("mean of per-seed ratios", "ratio of the means")
     texts = [cell(built[1][0], "B", "full_transfer", "Transfer ratio", unit).text for unit in units]
-    assert texts[0].split(" ± ")[0] != texts[1] == "−2.609"  # (1150 - 4150) / 1150
+    assert texts[0].split(" ± ")[0] != texts[1] == "−2.5"  # (1200 - 4200) / 1200
 
 
 def test_notes_name_runs_interval_and_truncations(built):
     table, _ = built[0]
     notes = " ".join(table.all_notes)
-    assert "over 4 seeds" in notes and "95% bootstrap" in notes and "1.5 times the shortest path" in notes
+    assert "over 5 seeds" in notes and "95% bootstrap" in notes and "1.5 times the shortest path" in notes
     assert "task B, <Other>: 1" in notes
 
 
@@ -218,7 +218,7 @@ def test_numbers_of_a_table_are_those_of_the_metrics(built):
     assert len(frame) == 6
     row = frame[(frame["task"] == "B") & (frame["method"] == "ptl")].iloc[0]
     assert row["jump_start_mean"] == 900
-    assert (row["threshold_episode_mean"], row["threshold_episode_reached"]) == (15, 1)
+    assert (row["threshold_episode_mean"], row["threshold_episode_reached"]) == (16, 1)
     assert row["threshold_episode_best"]
 
 

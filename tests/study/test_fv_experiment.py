@@ -95,7 +95,7 @@ def test_a_good_library_beats_plain_q_learning(env3: GridWorld) -> None:
     assert mean("library_2345") > 1.3 * mean("q_learning")
 
 
-def run(folder: Path, arm: str, seeds: int = 3) -> Path:
+def run(folder: Path, arm: str, seeds: int = 5) -> Path:
     path = folder / f"{arm}.h5"
     result = CliRunner().invoke(
         command,
@@ -121,7 +121,7 @@ def test_equal_jobs_give_equal_bytes(files: list[Path], tmp_path: Path) -> None:
 def test_read_in_the_order_of_the_arms_whatever_the_order_of_files(files: list[Path]) -> None:
     gains = fv.read_gains(files)
     assert [item.arm.name for item in gains] == list(fv.ARMS)
-    assert all(item.gain.shape == (3, 60) for item in gains)
+    assert all(item.gain.shape == (5, 60) for item in gains)
     item = gains[0]
     assert item.mean_gain[:, -1] == pytest.approx(item.gain.mean(axis=1))
 

@@ -14,7 +14,7 @@ from ptl.study import statistics
 from ptl.study.statistics import Resampling, named_generator, summarise
 
 HOW = Resampling(confidence=0.95, resamples=500)
-COUNTS = arrays.arrays(np.int64, st.integers(2, 20), elements=st.integers(1, 10_000))
+COUNTS = arrays.arrays(np.int64, st.integers(5, 20), elements=st.integers(1, 10_000))
 
 
 def generator(*names):
@@ -93,10 +93,22 @@ def test_equal_values_have_an_interval_of_no_width():
     assert (found.value, found.low, found.high) == (7, 7, 7)
 
 
-def test_one_value_has_no_interval_and_no_value_has_nothing():
-    single = statistics.mean(np.array([7]), HOW, generator())
-    assert single.value == 7
-    assert np.isnan([single.low, single.high]).all()
+@pytest.mark.parametrize("values", [[7], [7, 7], [6, 8], [1, 9, 4, 14]])
+def test_fewer_than_five_values_have_no_interval(values):
+    values = np.array(values)
+    for found in (
+        statistics.mean(values, HOW, generator()),
+        statistics.ratio_of_means(values, values + 1, HOW, generator()),
+        statistics.probability_of_improvement(values, np.arange(30), "lower", HOW, generator()),
+        statistics.share(1, len(values), HOW),
+    ):
+        assert np.isfinite(found.value)
+        assert np.isnan([found.low, found.high]).all()
+    five = statistics.mean(np.array([1, 9, 4, 14, 2]), HOW, generator())
+    assert five.low < five.value < five.high
+
+
+def test_no_value_has_nothing():
     assert np.isnan(statistics.mean(np.array([]), HOW, generator()).value)
 
 
@@ -205,7 +217,6 @@ def test_threshold_is_never_averaged_in_silence():
     metrics = summarise(per_seed(RUN, thresholds=thresholds), HOW)
     some, none = pick(metrics, "ptl", "threshold_episode"), pick(metrics, "no_transfer", "threshold_episode")
     assert (some["mean"], some["n"], some["seeds"], some["reached"]) == (40, 2, 4, 0.5)
-    assert some["reached_low"] < 0.5 < some["reached_high"]
     assert np.isnan(none["mean"])
     assert (none["n"], none["reached"]) == (0, 0)
     assert some["improvement"] == 0.75
@@ -234,7 +245,7 @@ def test_base_is_not_compared_with_itself():
     base = metrics[metrics["method"] == "no_transfer"]
     assert base["improvement"].isna().all()
     ratio = pick(metrics, "no_transfer", "transfer_ratio_of_means")
-    assert (ratio["mean"], ratio["ci_low"], ratio["ci_high"]) == (0, 0, 0)
+    assert ratio["mean"] == 0
 
 
 def test_without_the_base_comparisons_are_empty():

@@ -1,4 +1,4 @@
-# Fernandez and Veloso's own experiment, learned by the policy reuse of the main comparison. Its figure is drawn with the
+# An experiment after Fernandez and Veloso, learned by the policy reuse of the main comparison. Its figure is drawn with the
 # others.
 
 from ptl.study.policy_reuse_experiment import ARMS

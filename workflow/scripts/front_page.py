@@ -8,8 +8,6 @@ from ptl.report.job import running
 
 with running(snakemake) as job:
     labels = {name: methods.load(name).label for name in job.methods}
+    tasks = {name: entry.tasks for name, entry in job.environments.items()}
     claims = read_csv(job.input.claims, keep_default_na=False)
-    write_text(
-        job.output[0],
-        compose(claims, read_csv(job.input.metrics), job.titles, job.last_tasks, labels),
-    )
+    write_text(job.output[0], compose(claims, read_csv(job.input.metrics), job.titles, tasks, labels))

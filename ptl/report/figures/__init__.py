@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ptl.study.sample_size import note
+
 NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
 """Methods that the article's learning curves leave out; they would hide the others."""
 
@@ -81,7 +83,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             "the likelihood overrules a misleading prior",
             "A small map of our own in which the cell nearest to the goal in a straight line is behind a wall. Left,"
             " the map with the library's subgoals; right, the probability of each skill over the episodes: mean over"
-            f" {seeds} runs of ptl with {level}.",
+            f" {seeds} runs of ptl{note(seeds, level)}.",
             needs=("misleading_prior",),
             groups=("statistics",),
             methods=("ptl",),
@@ -124,8 +126,8 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
         "figure12": Figure(
             "curves",
             "steps per episode on the last task",
-            f"Steps per episode on the last task of each environment: mean over {seeds} seeds and {level}, log scale."
-            " The dotted line is the shortest path.",
+            f"Steps per episode on the last task of each environment: mean over {seeds} seeds{note(seeds, level)}, log"
+            " scale. The dotted line is the shortest path.",
             needs=("steps", "maps"),
             groups=("statistics",),
             environments=names,
@@ -145,7 +147,8 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             "growth",
             "growth of the skill library",
             "Skills in the library against tasks learned, random start and goal for each task: mean over"
-            f" {growth['runs']} lives and {level}, with a fit of two slopes that meet at {growth['breakpoint']} tasks.",
+            f" {growth['runs']} lives{note(growth['runs'], level)}; a fit of two slopes that meet at"
+            f" {growth['breakpoint']} tasks.",
             needs=("growth",),
             groups=("growth", "statistics"),
         ),
@@ -159,12 +162,12 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
         ),
         "policy_reuse_fv": Figure(
             "policy_reuse_experiment",
-            "gain in Fernandez and Veloso's own experiment",
-            "The experiment of Fernandez and Veloso on their own map, learned by the policy reuse of this comparison:"
+            "gain in an experiment after Fernandez and Veloso",
+            "An experiment after Fernandez and Veloso on their map, learned by the policy reuse of this comparison:"
             " random starts, at most 100 steps a trial, 2000 trials on their task Ω with the policies of three sets of"
             " earlier tasks, and plain Q-learning. Gain W is the mean discounted return over the first trials: mean of"
-            f" {seeds} seeds with {level}. Diamonds are read off a figure of the source. Known differences from the"
-            " source are listed under the table policy_reuse_fv.",
+            f" {seeds} seeds{note(seeds, level)}. Diamonds are read off a figure of the source. Known differences from"
+            " the source are listed under the table policy_reuse_fv.",
             needs=("policy_reuse_experiment",),
             groups=("statistics",),
             category="5 Checks",

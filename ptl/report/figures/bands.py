@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ptl.study.sample_size import FEWEST_FOR_INTERVAL
+
 STREAM = 20190501
 """Seed of the resampling; a figure is the same every time it is drawn."""
 
@@ -25,12 +27,12 @@ def mean_band(values: np.ndarray, confidence: float, resamples: int) -> tuple[np
     Returns
     -------
     mean, low, high : float arrays, shape (points,)
-        With a single run the interval does not exist and its ends are NaN.
+        With fewer than `FEWEST_FOR_INTERVAL` runs the interval does not exist and its ends are NaN.
     """
     values = np.asarray(values, dtype=float)
     runs = len(values)
     mean = values.mean(axis=0)
-    if runs == 1:
+    if runs < FEWEST_FOR_INTERVAL:
         nothing = np.full_like(mean, np.nan)
         return mean, nothing, nothing
     low, high = interval(resampling_weights(runs, resamples) @ values, confidence)

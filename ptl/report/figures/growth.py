@@ -11,6 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights
 from ptl.study.growth import TwoSlopes, fit_two_slopes, read_sizes
+from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.text import interval as limits
 from ptl.text import number, percent
 
@@ -53,8 +54,9 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     )
     frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept)
     lines = fit_two_slopes(resampling_weights(len(sizes), resamples) @ sizes, bend)
+    enough = len(sizes) >= FEWEST_FOR_INTERVAL
     for side in ("before", "after"):
-        ends = interval(getattr(lines, side), confidence) if len(sizes) > 1 else (np.nan, np.nan)
+        ends = interval(getattr(lines, side), confidence) if enough else (np.nan, np.nan)
         frame[f"slope_{side}"] = getattr(line, side)
         frame[f"slope_{side}_low"], frame[f"slope_{side}_high"] = ends
     return frame

@@ -112,9 +112,11 @@ def draw(frame: pd.DataFrame, title: str) -> Figure:
     _jump_start(axes, firsts, episodes)
     _threshold(axes, frame, episodes)
     _asymptotic(axes, frame, episodes, window)
-    axes.legend(
-        loc="upper right",
-        bbox_to_anchor=(0.93, 1),
+    # below the axes, because inside them a short curve may run anywhere
+    figure.legend(
+        *axes.get_legend_handles_labels(),
+        loc="outside lower center",
+        ncols=2,
         title=f"thick: mean of the last {window} episodes",
         title_fontsize=14,
     )

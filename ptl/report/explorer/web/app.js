@@ -165,10 +165,10 @@ class App {
 
   /** The goals in the order in which they are learned. */
   showGoals() {
-    const [first, second, ...others] = this.environment.tasks;
+    const [first, ...others] = this.environment.tasks;
+    const last = others.pop();
     byId("first-goal").textContent = first;
-    const last = others.length ? `, up to ${others[others.length - 1]}` : "";
-    byId("next-goals").textContent = second ? `, then ${second}${last}` : "";
+    byId("next-goals").textContent = last ? `, then ${others.length ? `${others.join(", ")} and ` : ""}${last}` : "";
   }
 
   radio(name, value, text) {

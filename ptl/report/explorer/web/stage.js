@@ -77,7 +77,8 @@ export class Stage {
     else if (subgoal < 0) line.textContent = `Task ${name} added no skill: ${reason}.`;
     else {
       const [row, column] = world.cells[subgoal];
-      line.textContent = `Task ${name} then adds a skill to row ${row}, column ${column} (+ on the map).`;
+      const shown = this.mode === "first" ? "" : " (+ on the map)";
+      line.textContent = `Task ${name} then adds a skill to row ${row}, column ${column}${shown}.`;
     }
   }
 
@@ -234,7 +235,7 @@ export class Stage {
       markers: task.guides
         .map((guide, i) => ({ state: guide.subgoal, candidate: i + 1, label: guideMark(task, i + 1) }))
         .filter(({ state }) => state >= 0),
-      found: task.method.guides === "skills" ? task.subgoal : -1,
+      found: task.method.guides === "skills" && !first ? task.subgoal : -1, // unknown in a first episode
       trail,
       thin: first,
       agent: begun && { state: playing.state, colour: trail[trail.length - 1].colour },
