@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import strategies as st
 
+from ptl.world.gridworld import GridWorld
 from ptl.world.mazes import GOALS, chain_of_rooms, framed, open_grid, random_rooms, to_text
 
-__all__ = ["chain_of_rooms", "framed", "maps", "open_grid", "random_rooms", "to_text"]
+__all__ = ["chain_of_rooms", "framed", "maps", "open_grid", "random_rooms", "random_world", "to_text"]
 
 
 @st.composite
@@ -21,3 +22,8 @@ def maps(draw: st.DrawFn, goals: str = GOALS, largest: int = 14) -> str:
     if kind == "rooms":
         return random_rooms(rng, rows, columns, goals)
     return open_grid(rng, rows, columns, draw(st.sampled_from([0.0, 0.15, 0.3])), goals)
+
+
+def random_world(rng: np.random.Generator) -> GridWorld:
+    """Return a small open grid with random walls, of some 60 states."""
+    return GridWorld.from_text(open_grid(rng, 10, 11, 0.25), "random")

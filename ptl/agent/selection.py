@@ -76,7 +76,7 @@ class SkillSelection:
     """
 
     def __init__(self, prior: np.ndarray, exponent: float = 2.0, weight: float = 0.5) -> None:
-        self._prior = prior
+        self.prior = prior
         self._exponent = exponent
         self._weight = weight
         self._performance = np.full(len(prior), np.nan)
@@ -92,7 +92,7 @@ class SkillSelection:
     def probabilities(self) -> np.ndarray:
         """Return the probability of drawing each skill, float (k,)."""
         performance = self.performance
-        weights = self._prior * (performance / performance.max()) ** self._exponent
+        weights = self.prior * (performance / performance.max()) ** self._exponent
         return weights / weights.sum()
 
     def draw(self, random: np.random.Generator) -> int:

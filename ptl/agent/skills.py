@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ptl.agent.finders import Finder, incremental
 from ptl.agent.subgoals import Discovery
 from ptl.world.transitions import TransitionGraph
 
@@ -45,11 +46,14 @@ class SkillLibrary:
     novelty : float
         rho: the unknown rest of the paths must be at least this share of the diameter of the visited part.
     threshold : float
-        theta: least value of the incremental metric at the new subgoal.
+        theta: least value of the greatest incremental metric.
+    finder : function
+        Scores the states, see `ptl.agent.finders`.
     """
 
     novelty: float = 0.2
     threshold: float = 0.2
+    finder: Finder = incremental
     skills: list[Skill] = field(default_factory=list)
 
     def __len__(self) -> int:
@@ -61,18 +65,19 @@ class SkillLibrary:
         return [skill.subgoal for skill in self.skills]
 
     def update(self, discovery: Discovery, graph: TransitionGraph, task_index: int) -> Update:
-        """Add the argmax of the incremental metric as a skill if it passes the three tests (our choice).
+        """Add the state that the finder scores highest as a skill if three tests are passed (our choice).
 
-        The rests are long enough, the metric is high enough, and the subgoal is new. Ties of the metric go to the
-        state with the lowest number.
+        The rests are long enough, the incremental metric is high enough somewhere, and the subgoal is new: the first
+        two say whether a skill is needed, whatever the finder, which says where. Ties go to the state with the lowest
+        number.
         """
-        metric = discovery.incremental.product
-        candidate = int(metric.argmax())
+        highest = discovery.incremental.product.max()
         if discovery.novelty < self.novelty * discovery.diameter:
             return Update(-1, "the unknown part of the paths is too short")
         # A metric of 0 everywhere has no argmax, even with a threshold of 0.
-        if metric[candidate] < self.threshold or metric[candidate] == 0:
+        if highest < self.threshold or highest == 0:
             return Update(-1, "no state stands out")
+        candidate = int(self.finder(discovery, graph, self.subgoals).argmax())
         if candidate in self.subgoals:
             return Update(-1, "the subgoal is in the library already")
         self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index))

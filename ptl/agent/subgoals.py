@@ -71,12 +71,25 @@ class Discovery:
         Mean length of the rests in steps.
     diameter : int
         Longest shortest path between visited states, in steps.
+    paths : sequence of int arrays
+        The loop-erased paths, from the task's start to its goal.
     """
 
     original: FDMetric
     incremental: FDMetric
     novelty: float
     diameter: int
+    paths: Sequence[np.ndarray] = ()
+
+    @property
+    def start(self) -> int:
+        """The task's start; IndexError if no episode was successful."""
+        return int(self.paths[0][0])
+
+    @property
+    def goal(self) -> int:
+        """The task's goal; IndexError if no episode was successful."""
+        return int(self.paths[0][-1])
 
 
 def discover(
@@ -102,4 +115,5 @@ def discover(
         incremental=fd_metric(rests, graph.n_states),
         novelty=float(np.mean([len(rest) - 1 for rest in rests])) if rests else 0.0,
         diameter=graph.diameter(),
+        paths=paths,
     )

@@ -97,7 +97,7 @@ def learn_task(
     UserError
         If the method ends an episode before the goal and before the step limit, or returns no list of draws.
     """
-    learning = parameters.learning
+    learning = method.parameters.learning  # a method may have a rate of its own
     initial_q = method.begin_task(task.start, task.goal)
     learner = Learner(
         dynamics,

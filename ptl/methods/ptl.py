@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ptl.agent import finders
 from ptl.agent._kernel import Learner
 from ptl.agent.selection import SkillSelection, prior
 from ptl.agent.skills import SkillLibrary
@@ -28,16 +29,16 @@ class Method(BaseMethod):
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         super().__init__(world, parameters, random)
         subgoals = parameters.subgoals
-        self.library: SkillLibrary = SkillLibrary(subgoals.novelty, subgoals.threshold)
+        self.library: SkillLibrary = SkillLibrary(subgoals.novelty, subgoals.threshold, self.finder())
+
+    def finder(self) -> finders.Finder:
+        """Return the function that says where a new skill ends."""
+        return finders.incremental
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         skills = self.parameters.skills
         self.candidates = [start, *self.library.subgoals]
-        chances = self.prior(goal)
-        if not skills.null_skill and len(self.library):
-            chances[NULL_SKILL] = 0.0
-            chances /= chances.sum()
-        self.selection = SkillSelection(chances, skills.likelihood_exponent, skills.likelihood_weight)
+        self.selection = SkillSelection(self.chances(goal), skills.likelihood_exponent, skills.likelihood_weight)
         return None
 
     def run_episode(self, learner: Learner) -> list[int]:
@@ -49,8 +50,7 @@ class Method(BaseMethod):
             skill = self.draw_skill()
             used.append(skill)
             if skill != NULL_SKILL:
-                guide = self.library.skills[skill - 1]
-                learner.follow(guide.policy, guide.subgoal)
+                self.guide(learner, skill)
             learner.explore(budget=max(1, round(patience)) if reselect else None)
             if learner.at_goal or learner.truncated:
                 break
@@ -58,11 +58,24 @@ class Method(BaseMethod):
         self.selection.record(used, learner.steps)
         return used
 
+    def chances(self, goal: int) -> np.ndarray:
+        """Return the prior, without the null skill if the configuration says so and there is a library."""
+        chances = self.prior(goal)
+        if not self.parameters.skills.null_skill and len(self.library):
+            chances[NULL_SKILL] = 0.0
+            chances /= chances.sum()
+        return chances
+
     def prior(self, goal: int) -> np.ndarray:
         """Return P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
         skills = self.parameters.skills
         world = self.world
         return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width)
+
+    def guide(self, learner: Learner, skill: int) -> None:
+        """Follow a candidate other than the null skill."""
+        guide = self.library.skills[skill - 1]
+        learner.follow(guide.policy, guide.subgoal)
 
     def draw_skill(self) -> int:
         """Draw the candidate to use next."""

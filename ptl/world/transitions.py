@@ -32,6 +32,11 @@ class TransitionGraph:
         self._origin = states.astype(np.int32)
         self._target = successors[states, actions].astype(np.int32)
 
+    @property
+    def visited(self) -> np.ndarray:
+        """States at either end of a transition, in increasing order."""
+        return np.union1d(self._origin, self._target)
+
     @cached_property
     def _forward(self) -> tuple[np.ndarray, np.ndarray]:
         return _compressed_rows(self._origin, self._target, self.n_states)

@@ -1,0 +1,16 @@
+"""PTL whose skills end far from each other."""
+
+from __future__ import annotations
+
+from ptl.agent import finders
+from ptl.methods.ptl import Method as PartialTransfer
+
+
+class Method(PartialTransfer):
+    """As `ptl`, with the visited state farthest from start and stored subgoals (Gonzalez, 1985: k-centre)."""
+
+    label = "PTL, subgoal = farthest state"
+    colour = "#7b3294"
+
+    def finder(self) -> finders.Finder:
+        return finders.farthest

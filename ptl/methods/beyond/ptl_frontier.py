@@ -1,0 +1,96 @@
+"""PTL with a skill to the frontier of what was seen: a proposal of ours."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+import numpy as np
+
+from ptl.agent._kernel import Learner
+from ptl.agent.selection import prior
+from ptl.config import Parameters
+from ptl.methods.ptl import Method as PartialTransfer
+from ptl.world.gridworld import GridWorld
+from ptl.world.transitions import TransitionGraph
+
+ALL_ACTIONS = 15
+
+
+class Method(PartialTransfer):
+    """As `ptl`, with one more candidate that leads to the promising edge of the seen part of the map (ours).
+
+    The frontier state f is, among the states seen so far, in all tasks and in this one while it runs, that still have
+    an untried action, the one nearest to the goal in a straight line (ties: fewest steps from the start, then lowest
+    number); the goal itself once it has been seen. When drawn, a shortest path over seen transitions leads to f; prior
+    and likelihood are those of `ptl`. The agent needs a memory of all transitions.
+
+    Attributes
+    ----------
+    offers_frontier : bool
+        Whether f is a candidate.
+    path_prior : bool
+        Whether the prior falls with the steps from a subgoal to f over seen transitions instead of with the straight
+        distance to the goal: P(s|g) proportional to exp(-d(s, f) / (sigma L)), 0 where no seen path leads.
+    """
+
+    label = "PTL + frontier (ours)"
+    colour = "#1a9850"
+    offers_frontier: ClassVar[bool] = True
+    path_prior: ClassVar[bool] = False
+
+    def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
+        super().__init__(world, parameters, random)
+        self.seen_before = np.zeros(world.n_states, dtype=np.uint8)
+        self.frontier: int
+        self._policy: np.ndarray | None = None
+
+    def begin_task(self, start: int, goal: int) -> np.ndarray | None:
+        self.start, self.goal = start, goal
+        self._look(self.seen_before)
+        return super().begin_task(start, goal)
+
+    def run_episode(self, learner: Learner) -> list[int]:
+        self._learner = learner
+        return super().run_episode(learner)
+
+    def draw_skill(self) -> int:
+        seen = self.seen_before | self._learner.seen
+        if not np.array_equal(seen, self._seen):
+            self._look(seen)
+            self.selection.prior = self.chances(self.goal)
+        return super().draw_skill()
+
+    def guide(self, learner: Learner, skill: int) -> None:
+        if skill <= len(self.library):
+            super().guide(learner, skill)
+            return
+        if self._policy is None:
+            self._policy = self.graph.shortest_path_policy(self.frontier)
+        learner.follow(self._policy, self.frontier)
+
+    def end_task(self, learner: Learner) -> None:
+        self.seen_before |= learner.seen
+
+    def prior(self, goal: int) -> np.ndarray:
+        places = [self.start, *self.library.subgoals, *([self.frontier] if self.offers_frontier else [])]
+        skills, world = self.parameters.skills, self.world
+        if not self.path_prior:
+            return prior(world.cells, places, goal, world.diagonal, skills.prior_form, skills.prior_width)
+        steps = self.graph.steps_to(self.frontier)[places]
+        # f is reached from the start over seen transitions, so the null skill always has a weight
+        weights = np.where(steps < 0, 0.0, np.exp((steps[0] - steps) / (skills.prior_width * world.diagonal)))
+        return weights / weights.sum()
+
+    def _look(self, seen: np.ndarray) -> None:
+        """Find the frontier state anew from the actions seen in each state, uint8 (n_states,)."""
+        self._seen, self._policy = seen, None
+        self.graph = TransitionGraph(self.world.successors, seen)
+        self.frontier = self._frontier_state(seen)
+
+    def _frontier_state(self, seen: np.ndarray) -> int:
+        steps = self.graph.steps_from([self.start])
+        if steps[self.goal] >= 0:
+            return self.goal
+        open_ = np.flatnonzero((steps >= 0) & (seen != ALL_ACTIONS))
+        away = ((self.world.cells[open_] - self.world.cells[self.goal]) ** 2).sum(axis=1)
+        return int(open_[np.lexsort((open_, steps[open_], away))[0]])

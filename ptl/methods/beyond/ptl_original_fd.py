@@ -1,0 +1,16 @@
+"""PTL with the metric that the article improves upon."""
+
+from __future__ import annotations
+
+from ptl.agent import finders
+from ptl.methods.ptl import Method as PartialTransfer
+
+
+class Method(PartialTransfer):
+    """As `ptl`, with the argmax of the original FD metric as the new subgoal (Kretchmar et al., 2003)."""
+
+    label = "PTL, original FD metric"
+    colour = "#b2abd2"
+
+    def finder(self) -> finders.Finder:
+        return finders.original_fd
