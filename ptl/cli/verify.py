@@ -11,44 +11,46 @@ import click
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "--against",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Compare report folders with this manifest.",
+    metavar="REFERENCE",
+    help="Compare report folders with another run: a report folder or its manifest, git:REVISION, or 'published'.",
 )
+@click.option("--exit-zero", is_flag=True, help="With --against: exit status 0 even if products or verdicts differ.")
 @click.option("--any-code", is_flag=True, help="Accept files made by another version of the code.")
-def command(paths: tuple[Path, ...], against: Path | None, any_code: bool) -> None:
+def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_code: bool) -> None:
     """Check HDF5 files, sealed tables and report folders with a manifest, or all of them below folders.
 
     HDF5 files: checksum, place, invariants, version of the code. Tables that come with a checksum
     (<table>.sha256): that. Report folders: every product against the folder's manifest.json.
 
-    With --against, check instead that every product in the report folders PATHS equals the one in the manifest,
-    apart from measured times.
+    With --against, say instead how the report folders PATHS compare with another run: which products are equal, equal
+    within a tolerance, or different, and which verdicts changed. 'published' stands for the published run, as git's
+    HEAD or the copy kept by 'make reproduce' has it.
 
     Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
     """
     from ptl.cli._progress import shown
     from ptl.errors import UserError
-    from ptl.files.manifest import MANIFEST, differences, read
+    from ptl.files.comparison import compare, reference
+    from ptl.files.manifest import MANIFEST, read
     from ptl.files.verification import checkable, faults_of
 
     if against is not None:
-        lines = [line for folder in paths for line in differences(folder, against)]
-        for line in lines:
-            click.echo(line)
-        if lines:
-            raise UserError(f"{len(lines)} products differ from {against}")
-        click.echo(f"all products equal those of {against}")
+        found = [compare(folder, reference(against, folder)) for folder in paths]
+        for comparison in found:
+            click.echo(str(comparison))
+        if not (exit_zero or all(comparison.agrees for comparison in found)):
+            raise UserError(f"the products or verdicts differ from those of {against}")
         return
     files = list(dict.fromkeys(file for path in paths for file in checkable(path)))
     if not files:
         raise UserError(f"{paths[0]}: nothing there that can be checked; name result files or folders of them")
-    found: dict[str, None] = {}
+    faults: dict[str, None] = {}
     for path in shown(files, "Verifying"):
-        found.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
-    for fault in found:
+        faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
+    for fault in faults:
         click.echo(fault)
-    if found:
-        raise UserError(f"faults found: {len(found)}, in {len(files)} files checked")
+    if faults:
+        raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked")
     click.echo(f"{len(files)} files are whole, in place and consistent")
     for path in files:
         if path.name == MANIFEST:

@@ -18,12 +18,6 @@ MANIFEST = "manifest.json"
 
 PACKAGES = ("ptl", "numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
 
-GREY_LEVELS = 2
-"""Largest difference of a colour channel (0 to 255) at which two pixels count as equal (our choice).
-
-Processors round differently, and that can move an antialiased pixel by a level.
-"""
-
 
 def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any]) -> dict[str, Any]:
     """Make the manifest of the products below a run's report folder.
@@ -62,43 +56,6 @@ def damages(folder: Path) -> list[str]:
     return found
 
 
-def differences(folder: Path, manifest_path: Path) -> list[str]:
-    """Compare the products in a report folder with another run; return a line for each that differs or is missing.
-
-    Files must be equal byte for byte. A PNG may differ from the one beside the manifest by `GREY_LEVELS`.
-
-    Parameters
-    ----------
-    folder : path
-        Report folder.
-    manifest_path : path
-        Manifest of the other run.
-    """
-    found = []
-    for name, digest in read(manifest_path)["products"].items():
-        path = folder / name
-        if not path.is_file():
-            found.append(f"{path}: is missing; run '{rebuild_command(path)}' to make it")
-        elif sha256(path) != digest and not looks_like(path, manifest_path.parent / name):
-            found.append(f"{path}: differs from {manifest_path}")
-    return found
-
-
-def looks_like(path: Path, other: Path) -> bool:
-    """Return whether two files are PNGs of one size whose pixels differ by at most `GREY_LEVELS`."""
-    import numpy as np
-    from PIL import Image
-
-    if {path.suffix, other.suffix} != {".png"}:
-        return False
-    try:
-        with Image.open(path) as ours, Image.open(other) as theirs:
-            pixels, others = (np.asarray(image.convert("RGBA"), dtype=int) for image in (ours, theirs))
-    except (OSError, SyntaxError, ValueError):  # missing, or damaged
-        return False
-    return pixels.shape == others.shape and int(np.abs(pixels - others).max()) <= GREY_LEVELS
-
-
 def read(manifest_path: Path) -> dict[str, Any]:
     """Read a manifest and check its own checksum.
 
@@ -108,10 +65,20 @@ def read(manifest_path: Path) -> dict[str, Any]:
         If it is missing, damaged or something else; the line ends with the command that makes it again.
     """
     try:
-        manifest = json.loads(manifest_path.read_text(encoding="utf-8"))
+        text = manifest_path.read_text(encoding="utf-8")
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8"
+        raise UserError(f"{manifest_path}: is not a manifest ({reason}); {make_again(manifest_path)}") from error
+    return parse(text, manifest_path)
+
+
+def parse(text: str, manifest_path: Path) -> dict[str, Any]:
+    """Return the manifest that a text holds, as `read` does; the path is for the message."""
+    try:
+        manifest = json.loads(text)
         intact = manifest["content"] == _content(manifest) and "products" in manifest
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not the JSON that 'snakemake' writes"
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        reason = "not the JSON that 'snakemake' writes"
         raise UserError(f"{manifest_path}: is not a manifest ({reason}); {make_again(manifest_path)}") from error
     if not intact:
         raise UserError(

@@ -32,7 +32,9 @@ rule manifest:
         rules.policy_reuse_table.output,
         rules.front_page.output,
     output:
-        "<reports>/manifest.json",
+        manifest="<reports>/manifest.json",
+        # tells products that were made here from those that were checked out
+        made="<results>/made.json",
     log:
         "<logs>/manifest.log",
     conda:

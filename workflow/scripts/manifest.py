@@ -8,6 +8,7 @@ from ptl.files.manifest import build
 from ptl.report.job import running
 
 with running(snakemake) as job:
-    [output] = map(Path, job.output)
-    manifest = build(map(Path, job.input), output.parent, json.loads(snakemake.params.config))
-    write_text(output, json.dumps(manifest, indent=1, sort_keys=True) + "\n")
+    folder = Path(job.output.manifest).parent
+    manifest = build(map(Path, job.input), folder, json.loads(snakemake.params.config))
+    for path in job.output:
+        write_text(Path(path), json.dumps(manifest, indent=1, sort_keys=True) + "\n")
