@@ -24,6 +24,7 @@ NAME = text("[a-z][a-z0-9_]*", "lower-case letters, digits and _, starting with 
 NAME_OR_NONE = text("([a-z][a-z0-9_]*)?", "the name of an environment")
 TITLE = text(r"[^{}\x00-\x1f\x7f]*", "text without braces and control characters", 200)
 PATH = text(r"[^-{}\x00-\x1f\x7f][^{}\x00-\x1f\x7f]*", "a path without braces, not starting with -", 1000)
+COLOUR = text("(#[0-9a-fA-F]{6})?", "a colour such as #8a5a00")
 TASKS = text("[A-HJ-Z]*", "capital letters other than I", 25)
 
 Name = Annotated[str, key("", **NAME)]
@@ -160,6 +161,17 @@ class Environment(Group, frozen=True, kw_only=True):
     article_items: ArticleItems = ArticleItems()
 
 
+class ForeignResults(Group, frozen=True, kw_only=True):
+    """Results of a method that another program has run, by the method's name."""
+
+    file: Annotated[
+        str,
+        key("CSV table with the columns environment, method, task, seed, episode, steps: docs/gymnasium.md.", **PATH),
+    ]
+    label: Annotated[str, key("Name in tables and figures; made from the method's name if empty.", **TITLE)] = ""
+    colour: Annotated[str, key("Colour in tables and figures; one that no method has if empty.", **COLOUR)] = ""
+
+
 class Measures(Group, frozen=True, kw_only=True):
     """Measures of transfer."""
 
@@ -239,6 +251,10 @@ class Configuration(Parameters, frozen=True, kw_only=True):
             min_length=1,
         ),
     ]
+    foreign_results: Annotated[
+        dict[Name, ForeignResults],
+        key("Methods that other programs have run, beside those of this package.", wanted="names, each with its keys"),
+    ] = {}  # noqa: RUF012 (msgspec copies it)
     measures: Measures = Measures()
     statistics: Statistics = Statistics()
     growth: Growth = Growth()

@@ -10,8 +10,9 @@ import msgspec
 import yaml
 
 from ptl import methods
-from ptl.config import Configuration, Environment, check_tasks
+from ptl.config import Configuration, Environment, ForeignResults, Learning, check_tasks
 from ptl.errors import UserError
+from ptl.files.foreign import Expected, read_foreign
 from ptl.keys import ConfigurationError
 from ptl.learning.method_check import check_method
 from ptl.world.gridworld import load_map
@@ -44,11 +45,42 @@ def completed(config: Mapping[str, Any]) -> Configuration:
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}
     names = sorted(entries, key=lambda name: entries[name].article_items.map or "~")
     growth = configuration.growth
+    environments = {name: entries[name] for name in names}
     return msgspec.structs.replace(
         configuration,
-        environments={name: entries[name] for name in names},
+        environments=environments,
+        foreign_results=_completed_foreign(configuration, environments),
         growth=msgspec.structs.replace(growth, environment=growth.environment or names[-1]),
     )
+
+
+def expected_of(environments: Mapping[str, Environment], seeds: int, learning: Learning) -> Expected:
+    """Return what results of other programs must hold to be compared with a run."""
+    return Expected(
+        worlds={name: load_map(entry.map) for name, entry in environments.items()},
+        tasks={name: entry.tasks for name, entry in environments.items()},
+        seeds=seeds,
+        episodes=learning.episodes,
+        max_steps=learning.max_steps,
+    )
+
+
+def _completed_foreign(
+    configuration: Configuration, environments: Mapping[str, Environment]
+) -> dict[str, ForeignResults]:
+    """Check the results of other programs and give each a label."""
+    given = configuration.foreign_results
+    if not given:
+        return {}
+    expected = expected_of(environments, configuration.seeds, configuration.learning)
+    for name, foreign in given.items():
+        if name in methods.names() or name in configuration.methods:
+            raise ConfigurationError(f"foreign_results.{name}", "is a method of this package; give another name")
+        read_foreign(foreign.file, name, expected)
+    return {
+        name: msgspec.structs.replace(foreign, label=foreign.label or name.replace("_", " ").capitalize())
+        for name, foreign in given.items()
+    }
 
 
 def _completed_entry(name: str, entry: Environment) -> Environment:

@@ -6,12 +6,12 @@ import os
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_type_hints
 
-from ptl.config import Configuration, Environment
+from ptl.config import Configuration, Environment, ForeignResults
 from ptl.errors import UserError
 from ptl.world.gridworld import GridWorld, load_map
 
@@ -33,6 +33,8 @@ class Job:
         Entry of the configuration of each environment, in the order of the report.
     methods : list of str
         Methods in the order of the report.
+    foreign : mapping
+        Entry of the configuration of each method that another program has run.
     """
 
     input: Any
@@ -40,6 +42,7 @@ class Job:
     groups: SimpleNamespace
     environments: Mapping[str, Environment]
     methods: list[str]
+    foreign: Mapping[str, ForeignResults] = field(default_factory=dict)
 
     @classmethod
     def of(cls, snakemake: Any) -> Job:
@@ -51,12 +54,28 @@ class Job:
             SimpleNamespace(**{name: GROUPS[name].from_dict(group) for name, group in given.get("groups", {}).items()}),
             {name: Environment.from_dict(entry) for name, entry in given.get("environments", {}).items()},
             list(given.get("methods", ())),
+            {name: ForeignResults.from_dict(entry) for name, entry in given.get("foreign", {}).items()},
         )
 
     @property
     def worlds(self) -> dict[str, GridWorld]:
         """The world of each environment, read from its map."""
         return {name: load_map(entry.map) for name, entry in self.environments.items()}
+
+    @property
+    def looks(self) -> dict[str, tuple[str, str]]:
+        """Label and colour of each method, those of other programs last."""
+        from ptl import methods
+        from ptl.report.figures.style import CATEGORIES
+
+        loaded = {name: methods.load(name) for name in self.methods}
+        return {
+            **{name: (method.label, method.colour) for name, method in loaded.items()},
+            **{
+                name: (entry.label, entry.colour or CATEGORIES[place % len(CATEGORIES)])
+                for place, (name, entry) in enumerate(self.foreign.items())
+            },
+        }
 
     @property
     def titles(self) -> dict[str, str]:

@@ -351,6 +351,7 @@ def measure_files(
     threshold_factor: float,
     *,
     admit: Callable[[Path, LearningFile], None] | None = None,
+    foreign: Iterable[Runs] = (),
 ) -> Measurements:
     """Measure the learning files of a run, one open at a time.
 
@@ -362,6 +363,8 @@ def measure_files(
         See `Curves`.
     admit : callable, optional
         Called with the path and the open file of each; it raises UserError to refuse one.
+    foreign : iterable of Runs
+        Runs of other programs on the same environments, tasks, seeds and episodes.
 
     Raises
     ------
@@ -395,7 +398,8 @@ def measure_files(
     if not collected:
         raise UserError("no learning file to measure; name at least one")
     _check_complete(collected)
-    return measure([_together(*item) for item in collected.items()], worlds, window, threshold_factor)
+    runs = [*(_together(*item) for item in collected.items()), *foreign]
+    return measure(runs, worlds, window, threshold_factor)
 
 
 def _together(names: Names, by_seed: Mapping[int, _Run]) -> Runs:

@@ -7,6 +7,7 @@ import os
 import shutil
 from collections.abc import Callable, Iterator
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any, Literal, get_args, get_origin
 
@@ -59,6 +60,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "config", folder / "config")
     for name, text in {"config/config.yaml": TINY, "config/robustness.yaml": STUDY, "rooms.txt": ROOMS}.items():
         (folder / name).write_text(text)
+    places = product("AB", range(2), range(1, 201))
+    rows = [f"rooms,rooms,{task},{seed},{episode},999\n" for task, seed, episode in places]
+    for name in ("walker.csv", "same.csv"):
+        (folder / name).write_text("environment,method,task,seed,episode,steps\n" + "".join(rows))
     shutil.copy(folder / "rooms.txt", folder / "same.txt")
     shutil.copy(folder / "config/robustness.yaml", folder / "same.yaml")
     return folder
@@ -114,10 +119,16 @@ TEXTS = {
     "environments.rooms.title": "Another title",
     "environments.rooms.tasks": "BA",
     "environments.rooms.discovery_tasks": "B",
+    "foreign_results.rooms.file": "same.csv",
+    "foreign_results.rooms.label": "Another label",
+    "foreign_results.rooms.colour": "#ffffff",
     "growth.environment": "rooms",
     "robustness.study": "same.yaml",
 }
 """Another value for each key that is a free text."""
+
+FOREIGN = {"foreign_results": {"rooms": {"file": "walker.csv"}}}
+"""Results of another program, which fit one number of seeds and episodes only."""
 
 LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"]}
 
@@ -131,6 +142,7 @@ RULES = {
     "environments.rooms.title": {"tabulate", "draw_figure", "build_explorer", "front_page"},
     "environments.rooms.tasks": {"learn", "learn_setting", "judge_claims", "tabulate", "draw_figure"},
     "environments.rooms": {"draw_figure"},
+    "foreign_results": {"measure", "tabulate", "draw_figure", "front_page"},
     "learning": {*LEARNING, "survey_batch"},
     "learning.max_steps": {"learn", "learn_misleading", "grow", "survey_batch"},  # the study has its own
     "skills": LEARNING,
@@ -179,7 +191,13 @@ KEYS = [(key, key.name.replace("<name>", "rooms")) for key in keys_of(Configurat
 @pytest.mark.slow
 @pytest.mark.parametrize(("key", "name"), KEYS, ids=[name for _, name in KEYS])
 def test_a_key_changes_some_job(key: Key, name: str, jobs_of: Callable[[dict[str, Any]], Jobs]) -> None:
-    before, after = jobs_of({}), jobs_of(nested(name, other_value(key, name)))
+    base = FOREIGN if name.startswith("foreign_results") else {}
+    value = other_value(key, name)
+    if base:
+        changed = {"foreign_results": {"rooms": {**base["foreign_results"]["rooms"], name.rpartition(".")[2]: value}}}
+    else:
+        changed = nested(name, value)
+    before, after = jobs_of(base), jobs_of(changed)
     rules = {jobs[path][0] for path in changed_jobs(before, after) for jobs in (before, after) if path in jobs}
     assert RULES[max((group for group in RULES if f"{name}.".startswith(f"{group}.")), key=len)] <= rules
 

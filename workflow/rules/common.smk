@@ -34,6 +34,7 @@ shell.prefix(
 
 ENVIRONMENTS = list(config["environments"])
 METHODS = config["methods"]
+FOREIGN = config["foreign_results"]
 SEEDS = range(config["seeds"])
 
 

@@ -84,6 +84,9 @@ rule draw_figure:
         groups=lambda wildcards: groups(*FIGURES[wildcards.figure].groups),
         environments=lambda wildcards: entries(FIGURES[wildcards.figure].environments),
         methods=lambda wildcards: FIGURES[wildcards.figure].methods,
+        foreign=lambda wildcards: (
+            FOREIGN if FIGURES[wildcards.figure].with_foreign else {}
+        ),
         code=lambda wildcards: code_digest(
             "ptl.report.figures.style",
             f"ptl.report.figures.{FIGURES[wildcards.figure].module}",

@@ -3,7 +3,8 @@
 
 rule measure:
     input:
-        learning_files(),
+        learning=learning_files(),
+        foreign=[entry["file"] for entry in FOREIGN.values()],
     output:
         per_seed="<reports>/tables/per_seed.csv",
         subgoals="<reports>/tables/subgoals.csv",
@@ -14,8 +15,13 @@ rule measure:
     conda:
         "../envs/ptl.yaml"
     params:
-        groups=groups("measures"),
-        code=code_digest("ptl.study.measures", "ptl.files.verification"),
+        groups=groups("measures", "learning"),
+        environments=entries(),
+        seeds=config["seeds"],
+        foreign=FOREIGN,
+        code=code_digest(
+            "ptl.study.measures", "ptl.files.verification", "ptl.files.foreign"
+        ),
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
     script:

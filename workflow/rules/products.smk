@@ -17,6 +17,7 @@ rule front_page:
     params:
         environments=entries(),
         methods=METHODS,
+        foreign=FOREIGN,
         code=code_digest("ptl.report.front_page", *method_modules(METHODS)),
     message:
         "Composing the front page of the report"

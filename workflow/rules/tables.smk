@@ -34,6 +34,7 @@ rule tabulate:
         groups=groups("measures", "statistics"),
         environments=entries(),
         methods=METHODS,
+        foreign=FOREIGN,
         code=code_digest("ptl.report.metric_tables", *method_modules(METHODS)),
     message:
         "Estimating every measure and laying out {output.metrics} and the tables"

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-from ptl import methods
 from ptl.files.csv import write_csv
 from ptl.report.job import running
 from ptl.report.metric_tables import build_tables, write_tables
@@ -14,9 +13,8 @@ with running(snakemake) as job:
         read_per_seed(job.input.per_seed),
         Resampling(statistics.confidence, statistics.resamples),
     )
-    looks = {name: (methods.load(name).label, methods.load(name).colour) for name in job.methods}
     write_csv(metrics, job.output.metrics, sealed=True)
     write_tables(
-        build_tables(metrics, job.groups.measures, statistics, looks, job.titles),
+        build_tables(metrics, job.groups.measures, statistics, job.looks, job.titles),
         Path(job.output.metrics).parent,
     )

@@ -37,6 +37,8 @@ class Figure:
         Environments that it shows.
     methods : tuple of str
         Methods that it shows, in the order of the legend.
+    with_foreign : bool
+        Whether it shows the methods of other programs too.
     category : str
         Section of the report.
     item : str
@@ -50,6 +52,7 @@ class Figure:
     groups: tuple[str, ...] = ()
     environments: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
+    with_foreign: bool = False
     category: str = "2 Figures"
     item: str = ""
 
@@ -132,6 +135,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             groups=("statistics",),
             environments=names,
             methods=curves,
+            with_foreign=True,
         ),
         "figure13": Figure(
             "measures",

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 def make(job: Job) -> tuple[Figure, pd.DataFrame]:
     """Draw the curves of the last task of each environment."""
     with open_steps(job.input.steps) as steps:
-        frame = curves(steps, job.worlds, job.last_tasks, job.methods, job.groups.statistics)
-    return draw(frame, job.titles), frame
+        methods = [*job.methods, *job.foreign]
+        frame = curves(steps, job.worlds, job.last_tasks, methods, job.groups.statistics)
+    return draw(frame, job.titles, job.looks), frame
 
 
 def curves(
@@ -58,6 +59,8 @@ def curves(
         task = tasks[environment]
         shortest = world.shortest_path_length(world.start, world.goal(task))
         for method in methods:
+            if not steps.has(environment, method):  # another program need not have run everywhere
+                continue
             values = steps.steps(environment, method, task)
             mean, low, high = mean_band(values, statistics.confidence, statistics.resamples)
             part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
@@ -68,8 +71,8 @@ def curves(
 
 
 @style.styled
-def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
-    """Draw one panel per environment, log scale; ``titles`` gives the names to print."""
+def draw(frame: pd.DataFrame, titles: Mapping[str, str], looks: Mapping[str, tuple[str, str]]) -> Figure:
+    """Draw one panel per environment, log scale; ``titles`` and ``looks`` give the names, labels and colours."""
     environments = list(dict.fromkeys(frame["environment"]))
     columns = min(len(environments), 3)
     rows = math.ceil(len(environments) / columns)
@@ -79,19 +82,22 @@ def draw(frame: pd.DataFrame, titles: Mapping[str, str]) -> Figure:
         axes.remove()
     for axes, environment in zip(panels.flat, environments, strict=False):
         part = frame[frame["environment"] == environment]
-        _panel(axes, part)
+        _panel(axes, part, looks)
         axes.set_title(f"{titles.get(environment, environment)}, task {part['task'].iloc[0]}")
         axes.set_xlabel("episode")
     for axes in panels[:, 0]:
         axes.set_ylabel("steps per episode")
-    lines, labels = panels[0, 0].get_legend_handles_labels()
-    figure.legend(lines, labels, loc="outside lower center", ncols=5 if columns == 3 else 3, handlelength=1.6)
+    named = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels.flat]
+    lines = {label: line for pairs in named for line, label in pairs}
+    figure.legend(
+        lines.values(), lines.keys(), loc="outside lower center", ncols=5 if columns == 3 else 3, handlelength=1.6
+    )
     return figure
 
 
-def _panel(axes: Axes, part: pd.DataFrame) -> None:
+def _panel(axes: Axes, part: pd.DataFrame, looks: Mapping[str, tuple[str, str]]) -> None:
     for method, curve in part.groupby("method", sort=False):
-        colour, label = style.method_look(str(method))
+        label, colour = looks[str(method)]
         axes.fill_between(curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.22, linewidth=0)
         axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.9, label=label)
     shortest = part["shortest_path"].iloc[0]

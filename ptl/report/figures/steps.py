@@ -25,6 +25,10 @@ class StepsFile:
         """Names of the environments."""
         return list(self._file)
 
+    def has(self, environment: str, method: str) -> bool:
+        """Return whether a method was run in an environment."""
+        return f"{environment}/{method}" in self._file
+
     def steps(self, environment: str, method: str, task: str) -> np.ndarray:
         """Return the steps per episode, int64 array (seeds, episodes)."""
         place = self._file
