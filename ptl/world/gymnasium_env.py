@@ -1,18 +1,36 @@
 """A map as a Gymnasium environment.
 
 Needs the optional extra ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
-0 elsewhere; a move into a wall leaves the agent where it is.
+0 elsewhere; a move into a wall leaves the agent where it is. Importing this module registers the id `ID`:
+
+>>> import gymnasium
+>>> import ptl.world.gymnasium_env
+>>> env = gymnasium.make("ptl/GridWorld-v0", world="config/environments/env2.txt", goal="A")
+>>> state, _ = env.reset(seed=1)
+>>> int(state) == env.unwrapped.world.start
+True
 """
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
-from gymnasium import spaces
 
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, load_map
+
+try:
+    import gymnasium
+    from gymnasium import spaces
+except ImportError as error:
+    raise ImportError(
+        f"the Gymnasium view needs the package gymnasium ({error}); install it with the extra: pip install"
+        " 'ptl[gymnasium]', in a checkout: pip install -e '.[gymnasium]'"
+    ) from error
+
+ID = "ptl/GridWorld-v0"
 
 
 class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
@@ -20,7 +38,8 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
 
     Parameters
     ----------
-    world : GridWorld
+    world : GridWorld or path
+        A map, or the text file of one.
     goal : str
         Letter of the goal.
     random_start : bool
@@ -37,17 +56,22 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
     metadata: dict[str, Any] = {"render_modes": ["ansi"], "render_fps": 10}  # noqa: RUF012 (Gymnasium's own form)
 
     def __init__(
-        self, world: GridWorld, goal: str, *, random_start: bool = False, render_mode: str | None = None
+        self,
+        world: GridWorld | str | os.PathLike[str],
+        goal: str,
+        *,
+        random_start: bool = False,
+        render_mode: str | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']}, not {render_mode!r}")
-        self.world = world
-        self.goal = world.goal(goal)
+        self.world = world if isinstance(world, GridWorld) else load_map(Path(world))
+        self.goal = self.world.goal(goal)
         self.random_start = random_start
         self.render_mode = render_mode
-        self.observation_space = spaces.Discrete(world.n_states)
+        self.observation_space = spaces.Discrete(self.world.n_states)
         self.action_space = spaces.Discrete(4)
-        self._state = world.start
+        self._state = self.world.start
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -74,3 +98,6 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
         row, column = self.world.cells[self._state]
         rows[row][column] = "@"
         return "\n".join(map("".join, rows))
+
+
+gymnasium.register(ID, "ptl.world.gymnasium_env:GridWorldEnv")

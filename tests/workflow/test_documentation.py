@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,7 +14,7 @@ import h5py
 import pandas as pd
 import pytest
 import yaml
-from projects import ROOT, TINY, Project
+from projects import ROOT, TINY, Project, errors_of
 
 import ptl
 from ptl.cli import commands
@@ -279,6 +280,28 @@ def test_method_tutorial_works(tmp_path: Path) -> None:
     assert "random_skill" in (reports / "figures/figure12.csv").read_text(encoding="utf-8")
     per_seed = pd.read_csv(reports / "tables/per_seed.csv")
     assert (per_seed["method"] == "random_skill").sum() == 3 * 6 * 2
+
+
+@pytest.mark.slow
+def test_gymnasium_page_works(tmp_path: Path) -> None:
+    project = Project(tmp_path, None)
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
+    printed = run_tutorial("docs/gymnasium.md", project)
+    assert "gymnasium_sarsa" in printed["python"]
+    reports = tmp_path / "reports/rivals"
+    own = pd.read_csv(tmp_path / "sarsa.csv")
+    per_seed = pd.read_csv(reports / "tables/per_seed.csv").set_index(["method", "task", "seed"]).sort_index()
+    totals = own.groupby(["method", "task", "seed"])["steps"].sum()
+    assert (per_seed.loc["gymnasium_sarsa", "total_steps"] == totals.loc["gymnasium_sarsa"]).all()
+    first = own[own["episode"] == 1].set_index(["method", "task", "seed"]).sort_index()["steps"].loc["gymnasium_sarsa"]
+    base = per_seed.loc["no_transfer", "first_episode"]
+    assert (per_seed.loc["gymnasium_sarsa", "jump_start"] == base - first).all()
+    assert "Sarsa (Gymnasium)" in (reports / "tables/table1.html").read_text(encoding="utf-8")
+    assert "gymnasium_sarsa" in (reports / "figures/figure12.csv").read_text(encoding="utf-8")
+    (tmp_path / "sarsa.csv").write_text("environment,method\n")
+    done = project.snakemake("--configfile", "rivals.yaml", "--", "reports/rivals/tables/metrics.csv")
+    [line] = errors_of(done)
+    assert "sarsa.csv: the columns 'environment,method' are not allowed" in line
 
 
 # -- citation

@@ -7,13 +7,16 @@ import subprocess
 import sys
 import warnings
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from projects import ROOT
 
 import ptl
-from ptl.world.gymnasium_env import GridWorldEnv
+from ptl.errors import UserError
+from ptl.world import gymnasium_env
+from ptl.world.gymnasium_env import ID, GridWorldEnv
 
 
 def test_every_public_name_is_there_and_documented():
@@ -60,6 +63,26 @@ def test_gymnasium_view_walks_as_the_kernel_does(env2):
         assert state == learner.state and not truncated and reward == float(terminated)
     assert learner.at_goal and steps == learner.steps
     assert env.render().count("@") == 1
+
+
+def test_gymnasium_makes_the_environment_by_its_id():
+    env = gymnasium.make(ID, world=ROOT / "config/environments/env2.txt", goal="B")
+    assert env.reset(seed=1)[0] == env.unwrapped.world.start
+    assert not [wrapper for wrapper in env.spec.additional_wrappers if "TimeLimit" in wrapper.name]
+    with pytest.raises(UserError, match="goal"):
+        gymnasium.make(ID, world=ROOT / "config/environments/env2.txt", goal="Z")
+
+
+def test_the_example_of_the_gymnasium_view_runs(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    assert doctest.testmod(gymnasium_env).attempted >= 3
+    assert doctest.testmod(gymnasium_env).failed == 0
+
+
+def test_without_gymnasium_one_line_names_the_extra():
+    code = "import sys; sys.modules['gymnasium'] = None; import ptl.world.gymnasium_env"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "pip install 'ptl[gymnasium]'" in done.stderr.splitlines()[-1]
 
 
 def test_gymnasium_random_starts_never_lie_on_the_goal(env2):
