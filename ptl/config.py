@@ -83,8 +83,16 @@ class Subgoals(Group, frozen=True, kw_only=True):
     trajectories: Annotated[
         int, key("T, successful episodes of a task that the FD metric looks at.", CHOSEN, ge=1, le=10**6)
     ] = 30
+    distance_form: Annotated[
+        Literal["tent", "parabola"],
+        key("Form of the FD metric's distance along a path: 0 at both ends, 1 half-way.", CHOSEN),
+    ] = "tent"
+    known: Annotated[
+        Literal["subgoals", "paths"],
+        key("What the incremental metric takes as known: stored subgoals, or also the skills' paths to them.", CHOSEN),
+    ] = "subgoals"
     cover_radius: Annotated[
-        int, key("r, steps around a stored subgoal that count as known.", CHOSEN, ge=0, le=10**6)
+        int, key("r, steps around what is known that count as known too.", CHOSEN, ge=0, le=10**6)
     ] = 2
     novelty: Annotated[
         float,
@@ -102,6 +110,10 @@ class PolicyReuse(Group, frozen=True, kw_only=True):
     psi_decay: Annotated[float, key("upsilon, factor on that probability at every step.", FV, ge=0, lt=1)] = 0.95
     temperature: Annotated[float, key("tau of the first episode.", FV, ge=0, le=10**6)] = 0.0
     temperature_step: Annotated[float, key("Growth of tau after every episode.", FV, ge=0, le=10**6)] = 0.05
+    untaught: Annotated[
+        Literal["new_policy", "first_action"],
+        key("What a past policy does where its values are all equal: give way, or take the first action.", CHOSEN),
+    ] = "new_policy"
 
 
 class Parameters(Group, frozen=True, kw_only=True):

@@ -64,6 +64,21 @@ class SkillLibrary:
         """Subgoals in the order in which they were added."""
         return [skill.subgoal for skill in self.skills]
 
+    def known_states(self, start: int, successors: np.ndarray, known: str = "subgoals") -> list[int]:
+        """Return the states that the library knows: its subgoals, or with "paths" also the skills' ways there (our choice).
+
+        Parameters
+        ----------
+        start : int
+            State from which the skills' policies are followed.
+        successors : int array, shape (n_states, 4)
+            Next states of the map.
+        known : {"subgoals", "paths"}
+        """
+        if known == "subgoals":
+            return self.subgoals
+        return sorted({state for skill in self.skills for state in (skill.subgoal, *_way(skill, start, successors))})
+
     def update(self, discovery: Discovery, graph: TransitionGraph, task_index: int) -> Update:
         """Add the state that the finder scores highest as a skill if three tests are passed (our choice).
 
@@ -82,3 +97,12 @@ class SkillLibrary:
             return Update(-1, "the subgoal is in the library already")
         self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index))
         return Update(candidate, "added")
+
+
+def _way(skill: Skill, start: int, successors: np.ndarray) -> list[int]:
+    """Return the states through which a skill's policy leads from ``start``, up to where it ends or is undefined."""
+    way, state = [], start
+    while state != skill.subgoal and skill.policy[state] >= 0:
+        way.append(state)
+        state = int(successors[state, skill.policy[state]])
+    return way

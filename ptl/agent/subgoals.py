@@ -7,7 +7,7 @@ and of the elimination are our choice.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,13 +28,20 @@ class FDMetric:
         return self.frequency * self.distance
 
 
-def fd_metric(paths: Sequence[np.ndarray], n_states: int) -> FDMetric:
+DISTANCE_FORMS: dict[str, Callable[[np.ndarray, int], np.ndarray]] = {
+    "tent": lambda j, length: 2.0 * np.minimum(j, length - j) / length,
+    "parabola": lambda j, length: 4.0 * (j * (length - j)) / length**2,
+}
+"""Distance at position j on a path of some length in steps: 0 at both ends, 1 half-way (our choice)."""
+
+
+def fd_metric(paths: Sequence[np.ndarray], n_states: int, form: str = "tent") -> FDMetric:
     """Compute frequency and distance over loop-erased paths (Kretchmar et al.; form of the distance: our choice).
 
-    f(s) is the share of the paths that contain s. d(s) is the mean over those of 2 min(j, l - j) / l, with j the
-    position of s on the path and l its length in steps: 0 at both ends, 1 half-way. A path of no steps counts in f
-    and has distance 0.
+    f(s) is the share of the paths that contain s. d(s) is the mean over those of a form of `DISTANCE_FORMS` at the
+    position of s. A path of no steps counts in f and has distance 0.
     """
+    distance_at = DISTANCE_FORMS[form]
     visits = np.zeros(n_states)
     total = np.zeros(n_states)
     for path in paths:
@@ -42,14 +49,14 @@ def fd_metric(paths: Sequence[np.ndarray], n_states: int) -> FDMetric:
         position = np.arange(length + 1)
         visits[path] += 1
         if length > 0:
-            total[path] += 2.0 * np.minimum(position, length - position) / length
+            total[path] += distance_at(position, length)
     distance = np.divide(total, visits, out=np.zeros(n_states), where=visits > 0)
     return FDMetric(visits / max(len(paths), 1), distance)
 
 
-def covered_states(graph: TransitionGraph, subgoals: Sequence[int], radius: int) -> np.ndarray:
-    """Return which states are within ``radius`` steps of a stored subgoal over seen transitions, bool (n_states,)."""
-    steps = graph.steps_from(list(subgoals))
+def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) -> np.ndarray:
+    """Return which states are within ``radius`` steps of a known state over seen transitions, bool (n_states,)."""
+    steps = graph.steps_from(list(known))
     return (steps >= 0) & (steps <= radius)
 
 
@@ -93,7 +100,11 @@ class Discovery:
 
 
 def discover(
-    paths: Sequence[np.ndarray], graph: TransitionGraph, known_subgoals: Sequence[int], cover_radius: int
+    paths: Sequence[np.ndarray],
+    graph: TransitionGraph,
+    known: Sequence[int],
+    cover_radius: int,
+    form: str = "tent",
 ) -> Discovery:
     """Compute both metrics for the loop-erased paths of a task.
 
@@ -103,16 +114,18 @@ def discover(
         Loop-erased paths of the first T successful episodes, as states.
     graph : TransitionGraph
         The transitions seen in the task.
-    known_subgoals : sequence of int
-        Subgoals of the library before this task.
+    known : sequence of int
+        States that the library knew before this task, see `SkillLibrary.known_states`.
     cover_radius : int
-        r, steps around a stored subgoal that count as known.
+        r, steps around these states that count as known too.
+    form : str
+        Form of the distance, a name of `DISTANCE_FORMS`.
     """
-    covered = covered_states(graph, known_subgoals, cover_radius)
+    covered = covered_states(graph, known, cover_radius)
     rests = [cut_known(path, covered) for path in paths]
     return Discovery(
-        original=fd_metric(paths, graph.n_states),
-        incremental=fd_metric(rests, graph.n_states),
+        original=fd_metric(paths, graph.n_states, form),
+        incremental=fd_metric(rests, graph.n_states, form),
         novelty=float(np.mean([len(rest) - 1 for rest in rests])) if rests else 0.0,
         diameter=graph.diameter(),
         paths=paths,

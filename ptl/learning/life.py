@@ -128,8 +128,9 @@ def learn_task(
 
     library = method.library
     graph = TransitionGraph(world.successors, learner.seen)
-    known = library.subgoals if library is not None else []
-    discovery = discover(paths, graph, known, parameters.subgoals.cover_radius)
+    search = parameters.subgoals
+    known = library.known_states(task.start, world.successors, search.known) if library is not None else []
+    discovery = discover(paths, graph, known, search.cover_radius, search.distance_form)
     update = Update(-1, "the method keeps no library")
     if library is not None:
         update = library.update(discovery, graph, task_index)

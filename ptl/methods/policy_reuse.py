@@ -48,7 +48,8 @@ class Method(BaseMethod):
         return [arm]
 
     def end_task(self, learner: Learner) -> None:
-        self.past_policies.append(greedy_policy(learner.q))
+        untaught = self.parameters.policy_reuse.untaught
+        self.past_policies.append(greedy_policy(learner.q, everywhere=untaught == "first_action"))
 
     def arm_probabilities(self) -> np.ndarray:
         """Return the probability of each arm in the next episode, float (1 + earlier tasks,)."""

@@ -4,7 +4,9 @@ Changes are named ``<environment>.<kind>``, with the kinds
 
 ``start``       another start cell, [row, column] counted from 0,
 ``room_size``   a chain of seven square rooms with this many cells on a side,
-``goal_depth``  a chain of seven rooms whose goals lie this far inside, as a share of the room's length.
+``goal_depth``  a chain of seven rooms whose goals lie this far inside, as a share of the room's length,
+``door_place``  a chain of seven rooms whose doors are this far down their walls, as a share of the room's length,
+``corridor``    a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from ptl.world.gridworld import GridWorld
 ROOM_SIZE, GOAL_DEPTH = 10, 0.9
 """The values behind the reference map of environment 1."""
 
-KINDS = ("start", "room_size", "goal_depth")
+CHAIN = ("room_size", "goal_depth", "door_place")
+KINDS = ("start", *CHAIN, "corridor")
 
 
 def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
@@ -33,14 +36,18 @@ def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
     unknown = set(changes) - set(KINDS)
     if unknown:
         raise UserError(f"{world.name}: cannot change {unknown.pop()!r}; known are {', '.join(KINDS)}")
-    if "room_size" in changes or "goal_depth" in changes:
+    if not set(changes).isdisjoint(CHAIN):
         if world.text != chain_of_rooms(ROOM_SIZE, GOAL_DEPTH):
             raise UserError(
-                f"{world.name}: is not the chain of seven rooms, so neither room_size nor goal_depth can be"
-                " changed; vary them in environment 1 only"
+                f"{world.name}: is not the chain of seven rooms, so none of {', '.join(CHAIN)} can be changed;"
+                " vary them in environment 1 only"
             )
-        text = chain_of_rooms(changes.get("room_size", ROOM_SIZE), changes.get("goal_depth", GOAL_DEPTH))
+        text = chain_of_rooms(
+            changes.get("room_size", ROOM_SIZE), changes.get("goal_depth", GOAL_DEPTH), changes.get("door_place")
+        )
         world = GridWorld.from_text(text, name=world.name)
+    if "corridor" in changes:
+        world = GridWorld.from_text(corridor_with_rooms(**changes["corridor"]), name=world.name)  # type: ignore[arg-type]
     if "start" in changes:
         world = with_start(world, changes["start"])  # type: ignore[arg-type]
     return world
@@ -58,7 +65,9 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
     return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", name=world.name)
 
 
-def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, rooms: int = 7) -> str:
+def chain_of_rooms(
+    size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: object = None, rooms: int = 7
+) -> str:
     """Return the text of environment 1's map with another room size and goal depth (the drawing is our choice).
 
     Rooms of ``size`` x ``size`` cells form a row with doors in the same place of every wall; room k + 1
@@ -70,12 +79,17 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, rooms: 
         Cells on a side, at least 4.
     depth : float
         Place of the goals from the wall with the door, as a share of ``size``, in (0, 1].
+    door : float, optional
+        Row of the doors as a share of ``size``, in (0, 1]; the row below the middle if left out.
     """
     if not (isinstance(size, int) and size >= 4):
         raise UserError(f"room_size: {size!r} is not allowed; give a whole number of at least 4")
     if not (isinstance(depth, int | float) and 0 < depth <= 1):
         raise UserError(f"goal_depth: {depth!r} is not allowed; give a number in (0, 1]")
-    door_row, goal_row = size // 2 + 1, _share(size, GOAL_DEPTH)
+    if not (door is None or (isinstance(door, int | float) and 0 < door <= 1)):
+        raise UserError(f"door_place: {door!r} is not allowed; give a number in (0, 1]")
+    door_row = size // 2 + 1 if door is None else _share(size, float(door))
+    goal_row = _share(size, GOAL_DEPTH)
     grid = [["#"] * (rooms * (size + 1) + 1) for _ in range(size + 2)]
     for room in range(rooms):
         left = room * (size + 1) + 1
@@ -85,6 +99,52 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, rooms: 
             grid[door_row][left - 1] = "."
             grid[goal_row][left + _share(size, depth) - 1] = chr(ord("A") + room - 1)
     grid[2][2] = "I"
+    return "\n".join(map("".join, grid)) + "\n"
+
+
+def corridor_with_rooms(width: int = 4, depth: int = 4, corridor: int = 2, big: Sequence[int] = (10, 9)) -> str:
+    """Return the text of a map like environment 2: a corridor, four small rooms on either side, a big room at its end.
+
+    The goals A to D lie opposite the doors of their rooms, each further along the corridor; E and F lie in the big room
+    (the drawing is our choice).
+
+    Parameters
+    ----------
+    width, depth : int
+        Cells of a small room along the corridor and away from it, at least 2 and 1.
+    corridor : int
+        Width of the corridor in cells, at least 1.
+    big : two int
+        Rows and columns of the big room, which surrounds the end of the corridor.
+    """
+    rows, columns = (int(length) for length in big)
+    if not (width >= 2 and depth >= 1 and corridor >= 1 and rows >= corridor and columns >= 3):
+        raise UserError(
+            f"corridor: width {width}, depth {depth}, corridor {corridor}, big {list(big)} make no map; give at least"
+            " 2, 1, 1 and a big room no narrower than the corridor"
+        )
+    top = depth + 2  # first row of the corridor
+    length = 4 * (width + 1) - 1
+    first = max(1, top - (rows - corridor) // 2)  # first row of the big room
+    height = max(top + corridor + depth + 2, first + rows + 1)
+    grid = [["#"] * (length + columns + 3) for _ in range(height)]
+    for row in range(top, top + corridor):
+        grid[row][1 : length + 1] = "." * length
+    for room in range(4):
+        left = 1 + room * (width + 1)
+        for row in range(1, depth + 1):
+            grid[row][left : left + width] = "." * width
+            grid[top + corridor + row][left : left + width] = "." * width
+        grid[depth + 1][left + 1] = grid[top + corridor][left + 1] = "."
+        goal_row = 1 if room % 2 == 0 else top + corridor + depth
+        grid[goal_row][left + 1] = "ABCD"[room]
+    big_left = length + 2
+    grid[top][big_left - 1] = "."
+    for row in range(first, first + rows):
+        grid[row][big_left : big_left + columns] = "." * columns
+    grid[max(first, top - 2)][big_left + columns - 2] = "E"
+    grid[min(first + rows - 1, top + 1)][big_left + columns - 1] = "F"
+    grid[top + corridor - 1][1] = "I"
     return "\n".join(map("".join, grid)) + "\n"
 
 
