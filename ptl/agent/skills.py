@@ -65,7 +65,9 @@ class SkillLibrary:
         return [skill.subgoal for skill in self.skills]
 
     def known_states(self, start: int, successors: np.ndarray, known: str = "subgoals") -> list[int]:
-        """Return the states that the library knows: its subgoals, or with "paths" also the skills' ways there (our choice).
+        """Return the states that the library knows: its subgoals, or with "paths" also the skills' ways to them.
+
+        Which of the two the article means is open; the default is our choice.
 
         Parameters
         ----------

@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.files.arrays import read_arrays
+from ptl.study.exact import first_episode_without_transfer
 from ptl.study.growth import read_sizes
 from ptl.study.library_cost import read_selection, read_storage
 from ptl.study.measures import BASE, BY_NAME, PER_SEED, STEPS, SUBGOAL_COLUMNS, Names
@@ -53,6 +54,8 @@ class Evidence:
         Size of the library after 0, 1, ... tasks, (runs, tasks + 1).
     selection_cost, library_bytes : DataFrame, optional
         As in `ptl.study.library_cost`.
+    exact : bool
+        Compare first episodes with the exact expectation of those without transfer instead of their mean.
     """
 
     per_seed: pd.DataFrame
@@ -65,6 +68,7 @@ class Evidence:
     growth: np.ndarray | None = None
     selection_cost: pd.DataFrame | None = None
     library_bytes: pd.DataFrame | None = None
+    exact: bool = False
 
     # -- measures ------------------------------------------------------------------------------------------
 
@@ -101,10 +105,27 @@ class Evidence:
     @cached_property
     def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
         columns = [measure.name for measure in PER_SEED]
-        return {
-            (str(environment), str(task), str(method)): part.set_index("seed")[columns].astype(float).sort_index()
-            for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"])
-        }
+        frames = {}
+        for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"]):
+            frame = part.set_index("seed")[columns].astype(float).sort_index()
+            if self.exact and environment in self.worlds:
+                expected = self._expected_first(str(environment), str(task))
+                if method == BASE:
+                    frame["first_episode"] = expected
+                frame["jump_start"] = expected - frame["first_episode"]
+            frames[str(environment), str(task), str(method)] = frame
+        return frames
+
+    def _expected_first(self, environment: str, task: str) -> float:
+        world = self.worlds[environment]
+        key = (environment, task)
+        if key not in self._expectations:
+            self._expectations[key] = first_episode_without_transfer(world, world.goal(task))
+        return self._expectations[key]
+
+    @cached_property
+    def _expectations(self) -> dict[tuple[str, str], float]:
+        return {}
 
     def n_seeds(self) -> int:
         """Return the number of seeds of the run."""

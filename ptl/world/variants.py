@@ -5,8 +5,10 @@ Changes are named ``<environment>.<kind>``, with the kinds
 ``start``       another start cell, [row, column] counted from 0,
 ``room_size``   a chain of seven square rooms with this many cells on a side,
 ``goal_depth``  a chain of seven rooms whose goals lie this far inside, as a share of the room's length,
-``door_place``  a chain of seven rooms whose doors are this far down their walls, as a share of the room's length,
+``chain``       a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
 ``corridor``    a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
+
+The last two draw a whole map anew, whatever the world was.
 """
 
 from __future__ import annotations
@@ -21,8 +23,8 @@ from ptl.world.gridworld import GridWorld
 ROOM_SIZE, GOAL_DEPTH = 10, 0.9
 """The values behind the reference map of environment 1."""
 
-CHAIN = ("room_size", "goal_depth", "door_place")
-KINDS = ("start", *CHAIN, "corridor")
+DETAILS_OF_CHAIN = ("room_size", "goal_depth")
+KINDS = ("start", *DETAILS_OF_CHAIN, "chain", "corridor")
 
 
 def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
@@ -36,18 +38,17 @@ def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
     unknown = set(changes) - set(KINDS)
     if unknown:
         raise UserError(f"{world.name}: cannot change {unknown.pop()!r}; known are {', '.join(KINDS)}")
-    if not set(changes).isdisjoint(CHAIN):
+    if not set(changes).isdisjoint(DETAILS_OF_CHAIN):
         if world.text != chain_of_rooms(ROOM_SIZE, GOAL_DEPTH):
             raise UserError(
-                f"{world.name}: is not the chain of seven rooms, so none of {', '.join(CHAIN)} can be changed;"
-                " vary them in environment 1 only"
+                f"{world.name}: is not the chain of seven rooms, so neither room_size nor goal_depth can be"
+                " changed; vary them in environment 1 only"
             )
-        text = chain_of_rooms(
-            changes.get("room_size", ROOM_SIZE), changes.get("goal_depth", GOAL_DEPTH), changes.get("door_place")
-        )
+        text = chain_of_rooms(changes.get("room_size", ROOM_SIZE), changes.get("goal_depth", GOAL_DEPTH))
         world = GridWorld.from_text(text, name=world.name)
-    if "corridor" in changes:
-        world = GridWorld.from_text(corridor_with_rooms(**changes["corridor"]), name=world.name)  # type: ignore[arg-type]
+    for kind, draw in (("chain", chain_of_rooms), ("corridor", corridor_with_rooms)):
+        if kind in changes:
+            world = GridWorld.from_text(draw(**changes[kind]), name=world.name)  # type: ignore[arg-type, operator]
     if "start" in changes:
         world = with_start(world, changes["start"])  # type: ignore[arg-type]
     return world
@@ -65,9 +66,7 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
     return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", name=world.name)
 
 
-def chain_of_rooms(
-    size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: object = None, rooms: int = 7
-) -> str:
+def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: object = None, rooms: int = 7) -> str:
     """Return the text of environment 1's map with another room size and goal depth (the drawing is our choice).
 
     Rooms of ``size`` x ``size`` cells form a row with doors in the same place of every wall; room k + 1
@@ -87,7 +86,7 @@ def chain_of_rooms(
     if not (isinstance(depth, int | float) and 0 < depth <= 1):
         raise UserError(f"goal_depth: {depth!r} is not allowed; give a number in (0, 1]")
     if not (door is None or (isinstance(door, int | float) and 0 < door <= 1)):
-        raise UserError(f"door_place: {door!r} is not allowed; give a number in (0, 1]")
+        raise UserError(f"door: {door!r} is not allowed; give a number in (0, 1]")
     door_row = size // 2 + 1 if door is None else _share(size, float(door))
     goal_row = _share(size, GOAL_DEPTH)
     grid = [["#"] * (rooms * (size + 1) + 1) for _ in range(size + 2)]

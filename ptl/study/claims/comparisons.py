@@ -45,6 +45,11 @@ def mean(evidence: Evidence, environment: str, task: str, method: str, metric: s
     return statistics.mean(values, evidence.how, named_generator(environment, task, method, metric, "mean"))
 
 
+def level(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> float:
+    """Return the mean of a measure over seeds, as the scale of a difference."""
+    return float(evidence.values(environment, task, method, metric).mean())
+
+
 def saved(evidence: Evidence, environment: str, task: str, method: str, other: str, metric: str) -> Estimate:
     """Return the mean of a measure of another method minus that of the method, paired by seed; positive is good."""
     own, others = evidence.pair((environment, task, method), (environment, task, other), metric)
@@ -114,18 +119,22 @@ def improves(evidence: Evidence, environment: str, task: str, method: str, measu
     """Return the part that claims that the method improves a measure over no transfer."""
     text = f"task {task}, {method}, {label(measure)}"
     if BY_NAME[measure].saves:
-        unit = "steps" if BY_NAME[measure].unit == "steps" else ""
-        return above(text, mean(evidence, environment, task, method, measure), 0.0, unit)
+        in_steps = BY_NAME[measure].unit == "steps"
+        scale = level(evidence, environment, task, BASE, str(BY_NAME[measure].saves)) if in_steps else 1.0
+        estimate = mean(evidence, environment, task, method, measure)
+        return above(text, estimate, 0.0, "steps" if in_steps else "", scale)
     if BY_NAME[measure].can_miss:
         estimate = probability_of_being_quicker(evidence, environment, task, method, BASE)
         return above(f"{text}, probability of being quicker", estimate, 0.5)
-    return above(f"{text}, saved", saved(evidence, environment, task, method, BASE, measure), 0.0, "steps")
+    estimate = saved(evidence, environment, task, method, BASE, measure)
+    return above(f"{text}, saved", estimate, 0.0, "steps", level(evidence, environment, task, BASE, measure))
 
 
 def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK) -> Part:
     """Return the part that claims that the method needs fewer steps than another by a measure."""
     estimate = saved(evidence, environment, task, method, other, metric)
-    return above(f"task {task}, {label(metric)}, {other} minus {method}", estimate, 0.0, "steps")
+    scale = level(evidence, environment, task, other, metric)
+    return above(f"task {task}, {label(metric)}, {other} minus {method}", estimate, 0.0, "steps", scale)
 
 
 def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task: str = LAST_TASK) -> Iterator[Part]:

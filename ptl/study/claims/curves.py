@@ -47,12 +47,17 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
         for other in c.OTHERS:
             theirs = evidence.curve(environment, other, c.LAST_TASK)
             same_seeds(own, theirs, environment)
-            saved = blocks(theirs, evidence.window) - blocks(own, evidence.window)
+            their_blocks = blocks(theirs, evidence.window)
+            saved = their_blocks - blocks(own, evidence.window)
             for index, values in enumerate(saved.T):
                 first, last = index * evidence.window + 1, (index + 1) * evidence.window
                 generator = named_generator(environment, other, c.PTL, "curves", index)
                 estimate = statistics.mean(values, evidence.how, generator)
-                yield above(f"{environment}, episodes {first}-{last}, {other} minus ptl", estimate, 0.0, "steps")
+                text, scale = (
+                    f"{environment}, episodes {first}-{last}, {other} minus ptl",
+                    their_blocks[:, index].mean(),
+                )
+                yield above(text, estimate, 0.0, "steps", float(scale))
             below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
             yield f"{environment}: the mean is below that of {other} in {below} of {own.shape[1]} episodes"
 

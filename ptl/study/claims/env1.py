@@ -67,7 +67,7 @@ def order(evidence: Evidence) -> Iterator[Part]:
             low, high = evidence.pair((ENV, easier, c.BASE), (ENV, harder, c.BASE), metric)
             generator = c.named_generator(ENV, easier, harder, c.BASE, metric)
             more = c.statistics.mean_difference(high, low, evidence.how, generator)
-            yield above(f"{c.label(metric)}, {harder} minus {easier}", more, 0.0, "steps")
+            yield above(f"{c.label(metric)}, {harder} minus {easier}", more, 0.0, "steps", float(low.mean()))
 
 
 @claim(

@@ -4,7 +4,12 @@ A claim consists of parts. A part compares one estimate with what the claim dema
 
 * it *holds* if the whole interval is where the claim says;
 * it *fails* if the whole interval is elsewhere;
-* it is *open* if the interval reaches to both sides; more runs could decide it.
+* it lies *at the bound* if the interval reaches to both sides of a bound, but nowhere further from it than the
+  resolution, `RESOLUTION` of the part's scale: more runs would hardly tell the value from the bound;
+* it is *open* if the interval reaches further; more runs could decide it.
+
+The scale is the bound itself, or where the bound is 0 the mean of what the estimate is a difference to (1 for shares
+and ratios).
 
 A part that denies significance ("whose deviation is too high") is the exception: it fails if the whole
 interval is above 0, and holds otherwise.
@@ -13,13 +18,15 @@ The verdict:
 
 * **reproduced** if every part holds;
 * **partly reproduced** if some parts hold and others do not;
-* **not reproduced** if no part holds and at least one fails;
+* **not reproduced** if no part holds and at least one fails or lies at the bound;
 * **undecided** if all parts are open, or the run lacks something that the claim needs, or has fewer than ten seeds of
   it.
 
+So a part at the bound never counts for a claim: with it a claim is at most partly reproduced.
+
 A claim with a number ("improves by more than 90%") has two parts, the direction and the size, so that the
 right direction with another size is "partly reproduced". Parts are not corrected for their number: with many
-parts, a few may be open or fail by chance, and the ledger names them.
+parts, a few may miss by chance, and the ledger names them.
 """
 
 from __future__ import annotations
@@ -33,12 +40,16 @@ from ptl import text as texts
 from ptl.study.statistics import Estimate
 from ptl.text import number
 
+RESOLUTION = 0.2
+"""Share of a part's scale that counts as next to nothing: a fifth, as for "not improved" (our choice)."""
+
 
 class Outcome(StrEnum):
     """Result of one part."""
 
     HOLDS = "holds"
     FAILS = "fails"
+    AT_BOUND = "at the bound"
     OPEN = "open"
 
 
@@ -77,14 +88,14 @@ class Part:
         return f"{self.text}: {texts.estimate(e.value, e.low, e.high, self.unit)} ({self.demand}: {self.outcome})"
 
 
-def above(text: str, estimate: Estimate, bound: float, unit: str = "") -> Part:
-    """Return the part that claims that the estimate is greater than a bound."""
-    return Part(text, estimate, f"> {number(bound)}", _inside(estimate, bound, math.inf), unit)
+def above(text: str, estimate: Estimate, bound: float, unit: str = "", scale: float = 1.0) -> Part:
+    """Return the part that claims that the estimate is greater than a bound; ``scale`` counts where that is 0."""
+    return Part(text, estimate, f"> {number(bound)}", _inside(estimate, bound, math.inf, scale), unit)
 
 
-def below(text: str, estimate: Estimate, bound: float, unit: str = "") -> Part:
-    """Return the part that claims that the estimate is less than a bound."""
-    return Part(text, estimate, f"< {number(bound)}", _inside(estimate, -math.inf, bound), unit)
+def below(text: str, estimate: Estimate, bound: float, unit: str = "", scale: float = 1.0) -> Part:
+    """Return the part that claims that the estimate is less than a bound; ``scale`` counts where that is 0."""
+    return Part(text, estimate, f"< {number(bound)}", _inside(estimate, -math.inf, bound, scale), unit)
 
 
 def between(text: str, estimate: Estimate, low: float, high: float, unit: str = "") -> Part:
@@ -100,13 +111,16 @@ def not_significant(text: str, estimate: Estimate, unit: str = "") -> Part:
     return Part(text, estimate, "not significantly > 0", outcome, unit)
 
 
-def _inside(estimate: Estimate, low: float, high: float) -> Outcome:
+def _inside(estimate: Estimate, low: float, high: float, scale: float = 1.0) -> Outcome:
     if math.isnan(estimate.low) or math.isnan(estimate.high):
         return Outcome.OPEN
     if low < estimate.low and estimate.high < high:
         return Outcome.HOLDS
     if estimate.high <= low or estimate.low >= high:
         return Outcome.FAILS
+    crossed = [bound for bound in (low, high) if estimate.low <= bound <= estimate.high]
+    if any(max(estimate.high - bound, bound - estimate.low) <= RESOLUTION * (abs(bound) or scale) for bound in crossed):
+        return Outcome.AT_BOUND
     return Outcome.OPEN
 
 
@@ -117,4 +131,4 @@ def decide(parts: Sequence[Part]) -> Verdict:
         return Verdict.REPRODUCED
     if Outcome.HOLDS in outcomes:
         return Verdict.PARTLY
-    return Verdict.NOT if Outcome.FAILS in outcomes else Verdict.UNDECIDED
+    return Verdict.NOT if outcomes & {Outcome.FAILS, Outcome.AT_BOUND} else Verdict.UNDECIDED

@@ -12,14 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from ptl.agent import seeding
 from ptl.config import Parameters
 from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.provenance import code_digest
-from ptl.learning.growth import METHOD as GROWTH_METHOD
-from ptl.learning.growth import random_tasks
-from ptl.learning.life import Life, TaskRecord, learn_life, tasks_of
-from ptl.study.discoveries import Found, found
+from ptl.study.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.variants import changed_world
 
@@ -83,52 +79,32 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
 def _learn(
     raw: _Raw, job: Mapping[str, Any], environment: str, letters: str, method: str, parameters: Parameters
 ) -> None:
-    world = raw.worlds[environment]
-    tasks = tasks_of(world, letters)
-    lives: list[Life] = []
-    taken = 0
-    for seed in range(job["seeds"]):
-        if taken > job["step_budget"]:
-            raw.remarks.append(
-                f"{environment}, {method}: given up after {seed} of {job['seeds']} seeds and {taken} steps"
-            )
-            break
-        names = (STREAM, job["setting"], environment, seed)
-        lives.append(learn_life(world, tasks, method, parameters, job["root_seed"], *names))
-        taken += int(sum(record.steps.sum() for record in lives[-1].records))
-    raw.arrays.update({f"{environment}/{method}/{name}": array for name, array in _arrays(lives).items()})
-
-
-def _arrays(lives: list[Life]) -> dict[str, np.ndarray]:
-    records = [life.records for life in lives]
-    arrays = {
-        "seeds": np.arange(len(lives)),
-        "steps": np.array([[record.steps for record in row] for row in records]),
-        "truncated": np.array([[np.count_nonzero(record.truncated) for record in row] for row in records]),
-    }
-    if lives[0].library is not None:
-        rows = [[_found(record) for record in row] for row in records]
-        for name in Found._fields:
-            values = np.array([[getattr(cell, name) for cell in row] for row in rows])
-            arrays[name] = values.astype(bytes) if values.dtype.kind == "U" else values
-    return arrays
-
-
-def _found(record: TaskRecord) -> Found:
-    metrics = (record.discovery.incremental.product, record.discovery.original.product)
-    return found(record.update.subgoal, record.update.reason, record.discovery.novelty, *metrics)
+    names = (STREAM, job["setting"], environment)
+    arrays = learn_lives(
+        raw.worlds[environment],
+        letters,
+        method,
+        parameters,
+        job["root_seed"],
+        range(job["seeds"]),
+        *names,
+        budget=job["step_budget"],
+    )
+    finished = len(arrays["seeds"])
+    if finished < job["seeds"]:
+        raw.remarks.append(
+            f"{environment}, {method}: given up after {finished} of {job['seeds']} seeds and"
+            f" {arrays['steps'].sum()} steps"
+        )
+    raw.arrays.update({f"{environment}/{method}/{name}": array for name, array in arrays.items()})
 
 
 def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:
-    environment = job["growth"]["environment"]
-    world = raw.worlds[environment]
-    sizes = []
-    for run in range(job["growth"]["runs"]):
-        names = (STREAM, job["setting"], "growth", environment, run)
-        tasks = random_tasks(world, job["growth"]["tasks"], seeding.generator(job["root_seed"], *names, "tasks"))
-        life = learn_life(world, tasks, GROWTH_METHOD, parameters, job["root_seed"], *names)
-        sizes.append(np.concatenate([[0], np.cumsum([record.update.subgoal >= 0 for record in life.records])]))
-    raw.arrays["growth/library_size"] = np.array(sizes)
+    environment, tasks = job["growth"]["environment"], job["growth"]["tasks"]
+    runs, names = range(job["growth"]["runs"]), (STREAM, job["setting"])
+    raw.arrays["growth/library_size"] = grow_lives(
+        raw.worlds[environment], environment, tasks, parameters, job["root_seed"], runs, *names
+    )
 
 
 def read_setting(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

@@ -14,9 +14,9 @@ from ptl.study import claims
 from ptl.study.claims import comparisons
 from ptl.study.claims.claim import Judgement
 from ptl.study.claims.verdict import Outcome
-from ptl.study.discoveries import Found
 from ptl.study.evidence import Evidence, Lacking, settings_of
-from ptl.study.measures import BASE, Runs, measure
+from ptl.study.lives import runs_of
+from ptl.study.measures import BASE, measure
 from ptl.study.robustness.design import REFERENCE
 from ptl.study.robustness.running import read_setting
 from ptl.world.gridworld import GridWorld
@@ -70,7 +70,7 @@ def load_setting(path: str | Path, groups: Any) -> RawSetting:
             place = f"{environment}/{method}/"
             own = {name.removeprefix(place): array for name, array in arrays.items() if name.startswith(place)}
             if own:
-                runs += [_runs((environment, method, task), own, i) for i, task in enumerate(entry["tasks"])]
+                runs += runs_of(environment, method, entry["tasks"], own)
     measured = measure(runs, worlds, groups.measures.window, groups.measures.threshold_factor)
     evidence = Evidence(
         per_seed=measured.per_seed,
@@ -81,14 +81,6 @@ def load_setting(path: str | Path, groups: Any) -> RawSetting:
         **settings_of(groups),
     )
     return RawSetting(job["setting"], job["group"], job["changes"], str(origin["status"]), evidence)
-
-
-def _runs(names: tuple[str, str, str], own: dict[str, np.ndarray], index: int) -> Runs:
-    found = None
-    if "subgoal" in own:
-        found = {name: own[name][:, index] for name in Found._fields}
-        found["reason"] = found["reason"].astype(str)
-    return Runs(*names, own["seeds"], own["steps"][:, index], own["truncated"][:, index], found)
 
 
 # -- verdicts ------------------------------------------------------------------------------------------------
