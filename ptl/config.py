@@ -208,6 +208,13 @@ class Statistics(Group, frozen=True, kw_only=True):
     resamples: Annotated[int, key("Bootstrap resamples.", ge=100, le=10**6)] = 2000
 
 
+class Decision(Group, frozen=True, kw_only=True):
+    """Runs that decide the claims, beside those of the tables."""
+
+    seeds: Annotated[int, key("Learning runs per environment and method.", ge=1, le=10**5)] = 400
+    growth_runs: Annotated[int, key("Lives of the growing library.", ge=1, le=10**5)] = 400
+
+
 class Growth(Group, frozen=True, kw_only=True):
     """Growth of the skill library."""
 
@@ -269,6 +276,7 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     ] = {}  # noqa: RUF012 (msgspec copies it)
     measures: Measures = Measures()
     statistics: Statistics = Statistics()
+    decision: Decision = Decision()
     growth: Growth = Growth()
     subgoal_frequencies: SubgoalFrequencies = SubgoalFrequencies()
     robustness: Robustness = Robustness()

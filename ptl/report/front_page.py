@@ -25,7 +25,7 @@ def compose(
     Parameters
     ----------
     claims : DataFrame
-        Columns id, verdict.
+        Columns id, verdict, verdict_30.
     metrics : DataFrame
         The table of estimates.
     titles, tasks : mapping
@@ -34,7 +34,7 @@ def compose(
     labels : mapping
         Name of each method as readers see it.
     """
-    counts = claims["verdict"].value_counts()
+    counts, few = (claims[column].value_counts() for column in ("verdict", "verdict_30"))
     last_tasks = {name: letters[-1] for name, letters in tasks.items() if len(letters) > 1}
     seeds = int(metrics["seeds"].max())
     chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
@@ -42,6 +42,7 @@ def compose(
         "front_page.rst",
         claims=len(claims),
         counts=[(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
+        few=[(few[verdict], verdict) for verdict in map(str, Verdict) if verdict in few],
         failing=list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
         seeds=seeds,
         with_interval=note(seeds, "its interval"),

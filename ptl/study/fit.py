@@ -329,14 +329,15 @@ class Searcher:
         self, stage: str, world: GridWorld, environment: str, letters: str, method: str, parameters: Parameters,
         effort: Effort,
     ) -> dict[str, np.ndarray]:  # fmt: skip
+        stream = (STREAM, self._phase(stage), environment)
         unit = {
             "map": world.text, "tasks": letters, "method": method, "parameters": read_by(method, parameters),
-            "seeds": effort.seeds, "stream": [STREAM, self._phase(stage), environment],
+            "seeds": effort.seeds, "stream": stream,
         }  # fmt: skip
         return self._kept(
             unit,
             lambda: learn_lives(
-                world, letters, method, parameters, self.config.root_seed, range(effort.seeds), *unit["stream"]
+                world, letters, method, parameters, self.config.root_seed, range(effort.seeds), *stream
             ),
         )
 
@@ -346,17 +347,18 @@ class Searcher:
         growth = self.config.growth
         world = worlds[growth.environment]
         start = world.cells[world.start].tolist()  # of no effect, but part of the map
+        stream = (STREAM, self._phase(stage))
         unit = {
             "map": world.text.replace("I", "."), "tasks": growth.tasks, "method": "growth",
             "parameters": read_by(GROWTH_METHOD, parameters), "runs": effort.growth_runs,
-            "stream": [STREAM, self._phase(stage)], "start": start,
+            "stream": stream, "start": start,
         }  # fmt: skip
         lives = self._kept(
             unit,
             lambda: {
                 "library_size": grow_lives(
                     world, growth.environment, growth.tasks, parameters, self.config.root_seed,
-                    range(effort.growth_runs), *unit["stream"],
+                    range(effort.growth_runs), *stream,
                 )
             },
         )  # fmt: skip

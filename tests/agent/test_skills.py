@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ptl.agent.policies import greedy_policy
-from ptl.agent.skills import SkillLibrary
+from ptl.agent.skills import Skill, SkillLibrary
 from ptl.agent.subgoals import Discovery, FDMetric
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
@@ -97,3 +97,13 @@ def test_diameter_is_the_longest_of_all_shortest_paths(text, seed):
 def test_greedy_policy_takes_the_first_of_equals_and_says_nothing_where_uninformed():
     q = np.array([[0, 0, 0, 0], [0.5, 0.5, 0.5, 0.5], [0, 0.2, 0.2, 0.1], [0.1, 0, 0, 0.3]])
     np.testing.assert_array_equal(greedy_policy(q), [-1, -1, 1, 3])
+    np.testing.assert_array_equal(greedy_policy(q, everywhere=True), [0, 0, 1, 3])
+
+
+def test_the_library_knows_its_subgoals_or_the_ways_to_them():
+    world = GridWorld.from_text("I.......A\n")
+    library = SkillLibrary(skills=[Skill(4, TransitionGraph(world.successors).shortest_path_policy(4), 0)])
+    assert library.known_states(1, world.successors) == [4]
+    assert library.known_states(1, world.successors, "paths") == [1, 2, 3, 4]
+    undefined = np.full(9, -1, dtype=np.int8)
+    assert SkillLibrary(skills=[Skill(4, undefined, 0)]).known_states(1, world.successors, "paths") == [4]

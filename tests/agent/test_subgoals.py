@@ -40,6 +40,11 @@ def test_odd_length_has_two_middles():
     np.testing.assert_allclose(metric.distance, [0, 2 / 3, 2 / 3, 0])
 
 
+def test_the_parabola_is_flatter_than_the_tent():
+    metric = fd_metric([np.array([0, 1, 2, 3, 4])], 5, "parabola")
+    np.testing.assert_allclose(metric.distance, [0, 3 / 4, 1, 3 / 4, 0])
+
+
 def test_covered_states_are_those_within_the_radius():
     np.testing.assert_array_equal(
         covered_states(all_seen(CORRIDOR), [3], 2), [False, True, True, True, True, True, False, False, False]

@@ -1,4 +1,4 @@
-"""The page of differences follows from the ledger alone."""
+"""The page of differences follows from the ledger and the robustness study."""
 
 from __future__ import annotations
 
@@ -15,22 +15,32 @@ PART = {
     "unit": "steps",
     "outcome": "holds",
 }
-CLAIM = {"id": "a", "claim": "PTL is faster", "verdict": "reproduced", "evidence": "not in this run"}
+CLAIM = {"id": "a", "claim": "PTL is faster", "verdict": "reproduced", "verdict_30": "partly reproduced",
+         "verdict_plain": "", "evidence": "not in this run"}  # fmt: skip
 
 
-def row(claim: dict, parts: list[dict]) -> list[str]:
-    table = differences_table(pd.DataFrame([claim]), pd.DataFrame(parts, columns=[*PART, "demand"]))
+def row(claim: dict, parts: list[dict], shares: pd.DataFrame | None = None) -> list[str]:
+    table = differences_table(pd.DataFrame([claim]), pd.DataFrame(parts, columns=[*PART, "demand"]), shares)
     [found] = table.groups[0].rows
     return [found.label, *(cell.text for cell in found.cells)]
 
 
 def test_statement_numbers_and_verdict_come_from_the_ledger():
-    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.123, 2] steps (holds)", "reproduced"]
+    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.123, 2] steps (holds)", "reproduced",
+                                "partly reproduced", "–", "–"]  # fmt: skip
 
 
 def test_another_verdict_changes_nothing_but_the_verdict():
     before, after = row(CLAIM, [PART]), row(CLAIM | {"verdict": "not reproduced"}, [PART])
-    assert after == [*before[:-1], "not reproduced"]
+    assert after == [*before[:3], "not reproduced", *before[4:]]
+
+
+def test_the_plain_reading_and_the_robustness_study_stand_beside_the_verdict():
+    shares = pd.DataFrame({"claim": ["a"], "one_at_a_time_reproduced": [0.51234], "latin_hypercube_reproduced": [0.25],
+                           "hangs_on": ["σ"]})  # fmt: skip
+    found = row(CLAIM | {"verdict_plain": "not reproduced"}, [PART], shares)
+    assert found[3:] == ["reproduced\n(plain reading: not reproduced)", "partly reproduced", "51% / 25%", "σ"]
+    assert row(CLAIM, [PART], shares.assign(claim="b"))[5:] == ["–", "–"]
 
 
 def test_a_share_reads_as_in_the_ledger():
@@ -40,12 +50,11 @@ def test_a_share_reads_as_in_the_ledger():
 
 
 def test_of_many_comparisons_those_that_do_not_hold_come_first():
-    outcomes = ["holds"] * SHOWN + ["open", "fails"]
+    outcomes = ["holds"] * SHOWN + ["open", "at the bound", "fails"]
     shown = row(CLAIM, [PART | {"part": f"part {i}", "outcome": o} for i, o in enumerate(outcomes)])[2].splitlines()
     assert len(shown) == SHOWN
-    assert shown[0].startswith(f"part {SHOWN + 1}:") and shown[1].startswith(f"part {SHOWN}:")
-    assert shown[2].startswith("part 0:")
+    assert [line.split(":")[0] for line in shown[:4]] == [f"part {SHOWN + k}" for k in (2, 1, 0)] + ["part 0"]
 
 
 def test_a_claim_without_comparisons_gives_its_reason():
-    assert row(CLAIM | {"verdict": "undecided"}, [])[2:] == ["not in this run", "undecided"]
+    assert row(CLAIM | {"verdict": "undecided"}, [])[2:4] == ["not in this run", "undecided"]

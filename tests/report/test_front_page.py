@@ -8,7 +8,12 @@ from docutils.core import publish_parts
 from ptl.report.front_page import compose
 
 CLAIMS = pd.DataFrame(
-    {"id": ["a", "b", "c"], "claim": ["A", "B", "C"], "verdict": ["reproduced", "not reproduced", "reproduced"]}
+    {
+        "id": ["a", "b", "c"],
+        "claim": ["A", "B", "C"],
+        "verdict": ["reproduced", "not reproduced", "reproduced"],
+        "verdict_30": ["reproduced", "partly reproduced", "partly reproduced"],
+    }
 )
 METRICS = pd.DataFrame(
     [
@@ -29,6 +34,7 @@ def page(**changes) -> str:
 def test_front_page_counts_the_verdicts_and_names_what_failed():
     text = page()
     assert "Of 3 claims of the article, **2 reproduced**, **1 not reproduced**." in text
+    assert "seeds of the tables alone would say: 1 reproduced, 2 partly reproduced." in text
     assert "Not reproduced: b." in text
     assert "Not reproduced" not in page(claims=CLAIMS[CLAIMS.verdict == "reproduced"])
 

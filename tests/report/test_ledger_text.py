@@ -12,7 +12,7 @@ from ptl.study.claims.claim import Claim, Judgement
 from ptl.study.claims.verdict import Outcome, Part, Verdict
 from ptl.study.statistics import Estimate
 
-STATISTICS = SimpleNamespace(confidence=0.95, resamples=2000)
+RUN = ledger.run_text(30, 30, SimpleNamespace(confidence=0.95, resamples=2000))
 
 
 def part(text: str = "steps", outcome: Outcome = Outcome.HOLDS) -> Part:
@@ -27,10 +27,10 @@ def judgement(parts: list[Part], statement: str = "PTL is faster", note: str = "
 def test_every_file_reads_a_value_alike():
     judged = [judgement([part()])]
     text = "steps: 15,260 [5,238, 24,910] steps"
-    assert ledger.to_frame(judged)["evidence"].tolist() == [f"{text} (> 0: holds); a note"]
-    assert f'{text} <span class="demand">(&gt; 0: holds)</span>' in ledger.to_html(judged, 30, STATISTICS)
-    assert text.replace("[", r"\[").replace("]", r"\]") in ledger.to_markdown(judged, 30, STATISTICS)
-    numbers = ledger.to_parts_frame(judged)[["estimate", "low", "high"]]
+    assert ledger.to_frame(judged, judged)["evidence"].tolist() == [f"{text} (> 0: holds); a note"]
+    assert f'{text} <span class="demand">(&gt; 0: holds)</span>' in ledger.to_html(judged, judged, RUN)
+    assert text.replace("[", r"\[").replace("]", r"\]") in ledger.to_markdown(judged, judged, RUN)
+    numbers = ledger.to_parts_frame(judged, judged)[["estimate", "low", "high"]]
     assert numbers.to_numpy().tolist() == [[15261.3, 5238.0, 24907.0]]
 
 
@@ -38,15 +38,15 @@ def test_of_many_parts_those_that_do_not_hold_are_written_out():
     parts = [part(f"part {i}") for i in range(ledger.SHOWN_PARTS)]
     parts += [part("open one", Outcome.OPEN), part("failing one", Outcome.FAILS)]
     headline, first, second, note = ledger.evidence_lines(judgement(parts))
-    assert headline == "8 of 10 parts hold, 1 fail, 1 open"
+    assert headline == "8 of 10 parts hold, 1 fail, 0 at the bound, 1 open"
     assert first.startswith("failing one:") and second.startswith("open one:") and note == "a note"
-    page = ledger.to_html([judgement(parts)], 30, STATISTICS)
+    page = ledger.to_html([judgement(parts)], [judgement(parts)], RUN)
     assert "all 10 parts" in page and page.count("part 3:") == 1
 
 
 def test_text_never_becomes_markup():
     judged = [judgement([part(HOSTILE)], HOSTILE, HOSTILE)]
-    assert "script" not in read(ledger.to_html(judged, 30, STATISTICS)).tags
-    rows = [line for line in ledger.to_markdown(judged, 30, STATISTICS).splitlines() if line.startswith("|")]
-    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {6}
+    assert "script" not in read(ledger.to_html(judged, judged, RUN)).tags
+    rows = [line for line in ledger.to_markdown(judged, judged, RUN).splitlines() if line.startswith("|")]
+    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {7}
     assert "<script>" not in re.sub(r"\\.", "", rows[-1])

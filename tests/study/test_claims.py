@@ -358,6 +358,24 @@ def test_a_part_is_judged_by_its_whole_interval(low, high, expected):
     assert between("x", estimate, 0, 5).outcome is expected
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "bound", "scale", "expected"),
+    [(9, 11, 10, 1, Outcome.AT_BOUND), (8, 12, 10, 1, Outcome.AT_BOUND), (7.9, 11, 10, 1, Outcome.OPEN),
+     (9, 12.1, 10, 1, Outcome.OPEN), (-2, 2, 0, 10, Outcome.AT_BOUND), (-2.1, 2, 0, 10, Outcome.OPEN),
+     (-0.1, 0.2, 0, 1, Outcome.AT_BOUND), (0.1, 0.2, 0, 100, Outcome.HOLDS), (-2, -1, 0, 100, Outcome.FAILS)],
+)  # fmt: skip
+def test_a_value_within_a_fifth_of_the_bound_is_called_at_the_bound(low, high, bound, scale, expected):
+    estimate = Estimate((low + high) / 2, low, high)
+    assert above("x", estimate, bound, scale=scale).outcome is expected
+    assert below("x", Estimate(-estimate.value, -high, -low), -bound, scale=scale).outcome is expected
+
+
+def test_either_end_of_a_range_is_a_bound():
+    assert between("x", Estimate(80, 76, 84), 80, 95).outcome is Outcome.AT_BOUND
+    assert between("x", Estimate(95, 90, 99), 80, 95).outcome is Outcome.AT_BOUND
+    assert between("x", Estimate(80, 60, 100), 80, 95).outcome is Outcome.OPEN
+
+
 def test_a_part_that_denies_significance_fails_only_beyond_doubt():
     assert not_significant("x", Estimate(1, -1, 3)).outcome is Outcome.HOLDS
     assert not_significant("x", Estimate(-2, -3, -1)).outcome is Outcome.HOLDS
@@ -368,10 +386,11 @@ def test_a_part_that_denies_significance_fails_only_beyond_doubt():
 @pytest.mark.parametrize(
     ("outcomes", "verdict"),
     [("hh", Verdict.REPRODUCED), ("hf", Verdict.PARTLY), ("ho", Verdict.PARTLY), ("hfo", Verdict.PARTLY),
+     ("hb", Verdict.PARTLY), ("b", Verdict.NOT), ("bo", Verdict.NOT),
      ("ff", Verdict.NOT), ("fo", Verdict.NOT), ("oo", Verdict.UNDECIDED), ("", Verdict.UNDECIDED)],
 )  # fmt: skip
 def test_the_rule_from_parts_to_a_verdict(outcomes, verdict):
-    kinds = {"h": Outcome.HOLDS, "f": Outcome.FAILS, "o": Outcome.OPEN}
+    kinds = {"h": Outcome.HOLDS, "f": Outcome.FAILS, "b": Outcome.AT_BOUND, "o": Outcome.OPEN}
     parts = [Part("x", Estimate(0, 0, 0), "", kinds[letter]) for letter in outcomes]
     assert decide(parts) is verdict
 

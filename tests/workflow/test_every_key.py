@@ -33,6 +33,7 @@ seeds: 2
 environments:
   rooms: {map: rooms.txt, tasks: AB}
   again: {map: rooms.txt, tasks: BA}
+  env1: {map: rooms.txt, tasks: AB}
 methods: [no_transfer, policy_reuse, ptl]
 growth: {tasks: 9, runs: 2}
 subgoal_frequencies: {batches: 1}
@@ -132,7 +133,7 @@ FOREIGN = {"foreign_results": {"rooms": {"file": "walker.csv"}}}
 
 LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"]}
 
-LEARNING = {"learn", "learn_misleading", "grow", "learn_setting"}
+LEARNING = {"learn", "learn_misleading", "grow", "learn_setting", "decide"}
 RULES = {
     "run": {"learn", "grow", "survey_batch", "measure", "tabulate", "judge_claims", "draw_figure"},
     "root_seed": {*LEARNING, "survey_batch", "learn_fv"},
@@ -144,14 +145,15 @@ RULES = {
     "environments.rooms": {"draw_figure"},
     "foreign_results": {"measure", "tabulate", "draw_figure", "front_page"},
     "learning": {*LEARNING, "survey_batch"},
-    "learning.max_steps": {"learn", "learn_misleading", "grow", "survey_batch"},  # the study has its own
+    "learning.max_steps": {"learn", "learn_misleading", "grow", "survey_batch", "decide"},  # the study has its own
     "skills": LEARNING,
     "subgoals": LEARNING,
-    "policy_reuse": {"learn", "learn_setting"},
+    "policy_reuse": {"learn", "learn_setting", "decide"},
     "measures": {"measure", "judge_claims", "draw_figure", "judge_setting"},
     "statistics": {"tabulate", "judge_claims", "draw_figure", "policy_reuse_table", "judge_setting"},
+    "decision": {"decide"},
     "growth.environment": {"grow", "learn_setting"},
-    "growth.tasks": {"grow"},
+    "growth.tasks": {"grow", "decide"},
     "growth.runs": {"grow", "collect_growth"},
     "growth.breakpoint": {"draw_figure", "judge_claims", "judge_setting"},
     "subgoal_frequencies.batches": {"survey_batch", "merge_survey"},

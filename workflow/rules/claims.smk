@@ -1,4 +1,41 @@
-# The verdict on every claim of the article, from this run's own results.
+# The verdict on every claim of the article: from the runs of the tables, and from many more that decide it.
+
+from pathlib import Path
+
+from ptl.files.manifest import sha256
+from ptl.study.decision import decision_jobs
+
+DECISIONS = decision_jobs(config)
+
+
+rule decide:
+    input:
+        maps=lambda wildcards: [
+            entry["map"] for entry in DECISIONS[wildcards.job]["environments"].values()
+        ],
+    output:
+        "<results>/decision/{job}.h5",
+    log:
+        "<logs>/decision/{job}.log",
+    wildcard_constraints:
+        job="[a-z0-9_]+",
+    # Among the longest jobs of the run; short ones then fill the second core.
+    priority: 2
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        job=lambda wildcards: json.dumps(DECISIONS[wildcards.job], sort_keys=True),
+        code=lambda wildcards: code_digest(
+            "ptl.study.robustness.running",
+            *[
+                f"ptl.methods.{method}"
+                for method in DECISIONS[wildcards.job]["methods"]
+            ],
+        ),
+    message:
+        "Learning {wildcards.job} with the seeds that decide the claims"
+    shell:
+        "ptl robustness --job {params.job:q} --output {output:q} 2> {log:q}"
 
 
 rule judge_claims:
@@ -9,6 +46,7 @@ rule judge_claims:
         growth=rules.collect_growth.output,
         selection_cost=rules.library_cost.output.selection,
         library_bytes=rules.library_cost.output.storage,
+        decision=expand("<results>/decision/{job}.h5", job=DECISIONS),
         maps=[entry["map"] for entry in entries().values()],
     output:
         csv="<reports>/claims.csv",
@@ -25,13 +63,19 @@ rule judge_claims:
     conda:
         "../envs/ptl.yaml"
     params:
-        groups=groups("measures", "statistics", "growth"),
+        groups=groups("measures", "statistics", "growth", "decision"),
         environments=entries(),
-        code=code_digest("ptl.study.claims", "ptl.study.evidence", "ptl.report.ledger"),
+        code=code_digest("ptl.study.decision", "ptl.report.ledger"),
     message:
         "Judging the claims of the article"
     script:
         "../scripts/judge_claims.py"
+
+
+def shares_of_study():
+    """Table of the robustness study with its checksum, if the study was made; asking for it would run the study."""
+    path = f"reports/{config['run']}/robustness/share.csv"
+    return {"path": path, "sha256": sha256(Path(path))} if os.path.isfile(path) else {}
 
 
 rule explain_differences:
@@ -53,6 +97,7 @@ rule explain_differences:
     conda:
         "../envs/ptl.yaml"
     params:
+        shares=shares_of_study(),
         code=code_digest("ptl.report.differences"),
     message:
         "Comparing the run with the article's statements"

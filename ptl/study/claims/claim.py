@@ -37,20 +37,31 @@ class Claim:
             found = list(self.check(evidence))
         except Lacking as lack:
             return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
-        parts = tuple(item for item in found if isinstance(item, Part))
+        parts = tuple(item for item in found if isinstance(item, Part) and not item.plain)
+        plain = tuple(item for item in found if isinstance(item, Part) and item.plain)
         notes = tuple(item for item in found if isinstance(item, str))
-        return Judgement(self, decide(parts), parts, notes)
+        return Judgement(self, decide(parts), parts, notes, plain=plain)
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """The verdict on a claim with its parts and notes; ``reason`` names what the evidence lacks."""
+    """The verdict on a claim with its parts and notes; ``reason`` names what the evidence lacks.
+
+    ``parts`` and ``verdict`` follow the strict reading of the claim, ``plain`` and ``plain_verdict`` the plain one, if
+    its words admit both.
+    """
 
     claim: Claim
     verdict: Verdict
     parts: tuple[Part, ...] = ()
     notes: tuple[str, ...] = ()
     reason: str = ""
+    plain: tuple[Part, ...] = ()
+
+    @property
+    def plain_verdict(self) -> Verdict | None:
+        """The verdict by the plain reading, None if the claim has one reading only."""
+        return decide(self.plain) if self.plain else None
 
 
 def claim(id: str, statement: str, shown_in: str) -> Callable[[Check], Claim]:

@@ -130,6 +130,35 @@ def improves(evidence: Evidence, environment: str, task: str, method: str, measu
     return above(f"{text}, saved", estimate, 0.0, "steps", level(evidence, environment, task, BASE, measure))
 
 
+def improves_together(evidence: Evidence, environment: str, method: str, measure: str) -> Part:
+    """Return the part that claims that the method improves a measure, all tasks with something to transfer together.
+
+    Steps and episodes are added up over the tasks, seed by seed, before the method is compared with no transfer. A seed
+    that never reaches the threshold of one task comes last.
+    """
+    chosen = BY_NAME[measure]
+    metric = chosen.saves or measure
+    text = f"tasks {TRANSFER_TASKS[0]} to {TRANSFER_TASKS[-1]} together, {method}, {label(measure)}"
+    if chosen.can_miss:
+        own, base = (
+            np.sum([evidence.values(environment, task, name, measure) for task in TRANSFER_TASKS], axis=0)
+            for name in (method, BASE)
+        )
+        own, base = (np.nan_to_num(episodes, nan=np.inf) for episodes in (own, base))
+        generator = named_generator(environment, "together", method, measure)
+        estimate = statistics.probability_of_improvement(own, base, "lower", evidence.how, generator)
+        return above(f"{text}, probability of being quicker", estimate, 0.5)
+    pairs = [evidence.pair((environment, task, method), (environment, task, BASE), metric) for task in TRANSFER_TASKS]
+    if len({len(own) for own, _ in pairs}) > 1:
+        raise Lacking(f"{environment}: the tasks of method {method} have different seeds")
+    own, base = np.sum(pairs, axis=0)
+    generator = named_generator(environment, "together", method, measure)
+    if chosen.unit != "steps":
+        return above(text, statistics.ratio_of_means(base - own, base, evidence.how, generator), 0.0)
+    estimate = statistics.mean_difference(base, own, evidence.how, generator)
+    return above(f"{text}, saved", estimate, 0.0, "steps", float(base.mean()))
+
+
 def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK) -> Part:
     """Return the part that claims that the method needs fewer steps than another by a measure."""
     estimate = saved(evidence, environment, task, method, other, metric)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,9 +11,12 @@ from ptl.study import statistics
 from ptl.study.claims import comparisons as c
 from ptl.study.claims.claim import claim
 from ptl.study.claims.thresholds import MOST, SPIKE
-from ptl.study.claims.verdict import Part, above
+from ptl.study.claims.verdict import Part, above, in_plain_reading
 from ptl.study.evidence import Evidence, Lacking
 from ptl.study.statistics import named_generator
+
+ENVIRONMENTS = ("env1", "env2", "env3")
+"""The article's environments."""
 
 
 def blocks(curve: np.ndarray, length: int) -> np.ndarray:
@@ -41,7 +45,7 @@ def same_seeds(one: np.ndarray, other: np.ndarray, environment: str) -> None:
     shown_in="figure12",
 )
 def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
-    """Yield one part for each environment, other method and block of episodes."""
+    """Yield one part for each environment, other method and block of episodes; by the plain reading, for the whole."""
     for environment in ("env1", "env2"):
         own = evidence.curve(environment, c.PTL, c.LAST_TASK)
         for other in c.OTHERS:
@@ -53,11 +57,11 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
                 first, last = index * evidence.window + 1, (index + 1) * evidence.window
                 generator = named_generator(environment, other, c.PTL, "curves", index)
                 estimate = statistics.mean(values, evidence.how, generator)
-                text, scale = (
-                    f"{environment}, episodes {first}-{last}, {other} minus ptl",
-                    their_blocks[:, index].mean(),
-                )
-                yield above(text, estimate, 0.0, "steps", float(scale))
+                scale = float(their_blocks[:, index].mean())
+                text = f"{environment}, episodes {first}-{last}, {other} minus ptl"
+                yield above(text, estimate, 0.0, "steps", scale)
+            whole = c.saves(evidence, environment, c.PTL, other, "total_steps")
+            yield in_plain_reading(replace(whole, text=f"{environment}, all episodes, {other} minus {c.PTL}"))
             below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
             yield f"{environment}: the mean is below that of {other} in {below} of {own.shape[1]} episodes"
 
@@ -70,7 +74,7 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
 )
 def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
     """Compare task F of each environment; a spike is relative to the episodes just before it."""
-    for environment in ("env1", "env2", "env3"):
+    for environment in ENVIRONMENTS:
         reuse = spikes(evidence.curve(environment, c.REUSE, c.LAST_TASK), evidence.window)
         base = spikes(evidence.curve(environment, c.BASE, c.LAST_TASK), evidence.window)
         same_seeds(reuse, base, environment)

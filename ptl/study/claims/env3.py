@@ -68,15 +68,15 @@ def few_episodes(evidence: Evidence) -> Iterator[Part | str]:
     shown_in="figure11",
 )
 def subgoals(evidence: Evidence) -> Iterator[Part | str]:
-    """Take the peak of the incremental metric for the subgoal, stored or not."""
+    """Take the peak of the incremental metric for the subgoal, stored or not, and say how often it was stored."""
     world = evidence.world(ENV)
     corridor, room, inner = (places.rectangle(world, *where, MAP_SHAPE) for where in (LOWER_CORRIDOR, ROOM, INNER_HALF))
     for task, where, name in (("C", corridor, "in the lower corridor"), ("E", room, "inside the room"),
                               ("F", room, "inside the room")):  # fmt: skip
         peaks = evidence.peaks(ENV, c.PTL, task, "incremental")
-        yield c.mostly(evidence, f"task {task}, subgoal {name}", (peaks >= 0) & where[peaks])
         stored = int((evidence.stored(ENV, c.PTL, task) >= 0).sum())
-        note = f"task {task}: stored in {stored} of {len(peaks)} runs"
+        text = f"task {task}, subgoal {name} (peak of the metric; stored in {stored} of {len(peaks)} runs)"
+        yield c.mostly(evidence, text, (peaks >= 0) & where[peaks])
         if where is room:
-            note += f", in the inner half of the room in {int(((peaks >= 0) & inner[peaks]).sum())}"
-        yield note
+            inside = int(((peaks >= 0) & inner[peaks]).sum())
+            yield f"task {task}: in the inner half of the room in {inside} of {len(peaks)} runs"

@@ -24,6 +24,9 @@ The verdict:
 
 So a part at the bound never counts for a claim: with it a claim is at most partly reproduced.
 
+Where a claim's words admit two readings, it has parts of both: those of the *strict* reading, which alone enter the
+verdict, and those of the *plain* one, which give a second verdict beside it.
+
 A claim with a number ("improves by more than 90%") has two parts, the direction and the size, so that the
 right direction with another size is "partly reproduced". Parts are not corrected for their number: with many
 parts, a few may miss by chance, and the ledger names them.
@@ -33,7 +36,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from ptl import text as texts
@@ -75,6 +78,8 @@ class Part:
         Where the claim wants the estimate.
     outcome : Outcome
     unit : str
+    plain : bool
+        Whether it belongs to the plain reading of a claim that has a strict one too.
     """
 
     text: str
@@ -82,6 +87,7 @@ class Part:
     demand: str
     outcome: Outcome
     unit: str = ""
+    plain: bool = False
 
     def __str__(self) -> str:
         e = self.estimate
@@ -122,6 +128,11 @@ def _inside(estimate: Estimate, low: float, high: float, scale: float = 1.0) -> 
     if any(max(estimate.high - bound, bound - estimate.low) <= RESOLUTION * (abs(bound) or scale) for bound in crossed):
         return Outcome.AT_BOUND
     return Outcome.OPEN
+
+
+def in_plain_reading(part: Part) -> Part:
+    """Return the part as one of the plain reading of its claim."""
+    return replace(part, plain=True)
 
 
 def decide(parts: Sequence[Part]) -> Verdict:

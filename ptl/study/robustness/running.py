@@ -61,7 +61,8 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
         for name, entry in job["environments"].items():
             for method in job["methods"]:
                 _learn(raw, job, name, entry["tasks"], method, parameters)
-        _grow(raw, job, parameters)
+        if job["growth"]["runs"]:
+            _grow(raw, job, parameters)
     except Exception as error:  # a setting that fails is a result of the study, not the end of it
         traceback.print_exc(file=sys.stderr)
         raw.remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from ptl.study.claims.claim import Judgement
 from ptl.study.claims.verdict import Outcome
 from ptl.study.evidence import Evidence, Lacking, settings_of
 from ptl.study.lives import runs_of
-from ptl.study.measures import BASE, measure
+from ptl.study.measures import BASE, Runs, measure
 from ptl.study.robustness.design import REFERENCE
 from ptl.study.robustness.running import read_setting
 from ptl.world.gridworld import GridWorld
@@ -61,26 +62,49 @@ def load_setting(path: str | Path, groups: Any) -> RawSetting:
     UserError
         When the file is missing, damaged or of another kind.
     """
-    arrays, origin = read_setting(path)
+    evidence, [origin] = evidence_of([path], groups)
     job = origin["job"]
-    worlds = {name: GridWorld.from_text(text, name) for name, text in origin["maps"].items()}
-    runs = []
-    for environment, entry in job["environments"].items():
-        for method in job["methods"]:
-            place = f"{environment}/{method}/"
-            own = {name.removeprefix(place): array for name, array in arrays.items() if name.startswith(place)}
-            if own:
-                runs += runs_of(environment, method, entry["tasks"], own)
+    return RawSetting(job["setting"], job["group"], job["changes"], str(origin["status"]), evidence)
+
+
+def evidence_of(
+    paths: Iterable[str | Path], groups: Any, *, exact: bool = False, **tables: Any
+) -> tuple[Evidence, list[dict[str, Any]]]:
+    """Measure raw files together; return the evidence, and the attributes of each file.
+
+    Parameters
+    ----------
+    groups : namespace
+        See `load_setting`.
+    exact, tables
+        As in `ptl.study.evidence.Evidence`.
+    """
+    runs: list[Runs] = []
+    worlds: dict[str, GridWorld] = {}
+    origins, growth = [], None
+    for path in paths:
+        arrays, origin = read_setting(path)
+        origins.append(origin)
+        worlds |= {name: GridWorld.from_text(text, name) for name, text in origin["maps"].items()}
+        growth = arrays.get("growth/library_size", growth)
+        for environment, entry in origin["job"]["environments"].items():
+            for method in origin["job"]["methods"]:
+                place = f"{environment}/{method}/"
+                own = {name.removeprefix(place): array for name, array in arrays.items() if name.startswith(place)}
+                if own:
+                    runs += runs_of(environment, method, entry["tasks"], own)
     measured = measure(runs, worlds, groups.measures.window, groups.measures.threshold_factor)
     evidence = Evidence(
         per_seed=measured.per_seed,
         worlds=worlds,
         steps=measured.steps,
         subgoals=measured.subgoals,
-        growth=arrays.get("growth/library_size"),
+        growth=growth,
+        exact=exact,
+        **tables,
         **settings_of(groups),
     )
-    return RawSetting(job["setting"], job["group"], job["changes"], str(origin["status"]), evidence)
+    return evidence, origins
 
 
 # -- verdicts ------------------------------------------------------------------------------------------------
