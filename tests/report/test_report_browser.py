@@ -101,7 +101,8 @@ def open_first(page, category: str) -> None:
 
 BOXES = """
 const box = (element) => element.getBoundingClientRect();
-const nav = box(document.querySelector('#app > div > nav')), content = box(document.querySelector('#app > div > nav + div'));
+const nav = box(document.querySelector('#app > div > nav'));
+const content = box(document.querySelector('#app > div > nav + div'));
 return {width: document.documentElement.scrollWidth, nav: [nav.left, nav.right, nav.bottom],
         content: [content.left, content.right, content.top, content.height]};
 """
