@@ -1,0 +1,121 @@
+"""``ptl metrics``: print the measures of a run."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+GAP = "  "
+
+
+@click.command()
+@click.argument("run", required=False)
+@click.option("--environment", "-e", multiple=True, help="Only this environment; may be repeated.")
+@click.option("--task", "-t", multiple=True, help="Only this task, or 'all'; the last of each environment if left out.")
+@click.option("--method", "-m", multiple=True, help="Only this method; may be repeated.")
+@click.option("--measure", "-x", multiple=True, help="Only this measure, as metrics.csv calls it; may be repeated.")
+def command(
+    run: str | None,
+    environment: tuple[str, ...],
+    task: tuple[str, ...],
+    method: tuple[str, ...],
+    measure: tuple[str, ...],
+) -> None:
+    """Print the measures of RUN as a table for each environment and task: mean and interval.
+
+    RUN is the name of a run or a metrics.csv; left out, the run of this folder, or the published one of several.
+    """
+    from ptl.files.csv import read_csv
+
+    path = _path_of(run)
+    metrics = read_csv(path)
+    frame = metrics
+    for column, wanted in (("environment", environment), ("method", method), ("metric", measure)):
+        frame = _only(frame, column, wanted, path)
+    if not task:
+        last = metrics.groupby("environment", sort=False)["task"].last()
+        frame = frame[frame["task"] == frame["environment"].map(last)]
+    elif "all" not in task:
+        frame = _only(frame, "task", task, path)
+    for (place, letter), part in frame.groupby(["environment", "task"], sort=False):
+        first = metrics.loc[metrics["environment"] == place, "task"].iloc[0]
+        note = ": nothing to transfer yet" if letter == first else ""
+        click.echo(f"{place}, task {letter}{note} ({int(part['seeds'].max())} seeds: mean [interval])")
+        width = shutil.get_terminal_size().columns
+        click.echo("\n".join(_laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")
+
+
+def _path_of(run: str | None) -> Path:
+    from ptl.errors import UserError
+
+    if run is not None:
+        path = Path(run) if run.endswith(".csv") else Path("reports") / run / "tables/metrics.csv"
+        if not path.is_file():
+            there = ", ".join(sorted(found.parts[1] for found in Path("reports").glob("*/tables/metrics.csv")))
+            raise UserError(f"{path}: no such file; runs with measures: {there or 'none'}")
+        return path
+    found = {path.parts[1]: path for path in Path("reports").glob("*/tables/metrics.csv")}
+    if len(found) == 1 or "published" in found:
+        return found.get("published") or next(iter(found.values()))
+    raise UserError(
+        f"reports/*/tables/metrics.csv: {len(found)} runs; name one of {', '.join(sorted(found)) or 'none'}"
+    )
+
+
+def _only(frame: pd.DataFrame, column: str, wanted: tuple[str, ...], path: Path) -> pd.DataFrame:
+    from ptl.errors import UserError
+
+    known = list(dict.fromkeys(frame[column]))
+    for name in wanted:
+        if name not in known:
+            raise UserError(f"{path}: no {column} {name!r}; there are {', '.join(known)}")
+    return frame[frame[column].isin(wanted)] if wanted else frame
+
+
+def _columns(part: pd.DataFrame, *, explicit: bool) -> list[list[str]]:
+    """Return the table column by column, each with its two headings first; the labels of rows come first."""
+    from ptl.study.measures import MEASURES
+
+    rows = part.set_index(["method", "metric"]).to_dict("index")
+    methods = list(dict.fromkeys(part["method"]))
+    columns = [["", "", *methods]]
+    for measure in MEASURES:
+        own = [rows.get((method, measure.name)) for method in methods]
+        quiet = not explicit and measure.name == "truncated" and not any(row and row["mean"] for row in own)
+        if any(own) and not quiet:
+            columns.append([measure.heading, measure.unit, *(_cell(row, measure.can_miss) for row in own)])
+    return columns
+
+
+def _cell(row: dict | None, can_miss: bool) -> str:
+    from ptl.text import MISSING, estimate
+
+    if row is None or not row["n"]:
+        return "not reached" if row and can_miss else MISSING
+    missed = can_miss and row["n"] < row["seeds"]
+    share = f" ({int(row['n'])} of {int(row['seeds'])})" if missed else ""
+    return estimate(row["mean"], row["ci_low"], row["ci_high"]) + share
+
+
+def _laid_out(columns: list[list[str]], width: int) -> Iterator[str]:
+    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers stand to the right."""
+    labels, *others = columns
+    left = max(map(len, labels))
+    while others:
+        block: list[list[str]] = []
+        used = left
+        while others and (not block or used + len(GAP) + max(map(len, others[0])) <= width):
+            used += len(GAP) + max(map(len, others[0]))
+            block.append(others.pop(0))
+        for label, *cells in zip(labels, *block, strict=True):
+            shown = [cell.rjust(max(map(len, column))) for cell, column in zip(cells, block, strict=True)]
+            yield GAP.join([label.ljust(left), *shown]).rstrip()
+        if others:
+            yield ""

@@ -1,0 +1,84 @@
+"""``ptl metrics``: what it prints of a run, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from projects import ROOT
+
+from ptl.cli.metrics import command
+from ptl.errors import UserError
+from ptl.files.csv import read_csv
+from ptl.text import estimate
+
+
+@pytest.fixture(autouse=True)
+def in_the_project_folder(monkeypatch):
+    monkeypatch.chdir(ROOT)
+
+
+def printed(*arguments: str, width: int = 200) -> list[str]:
+    result = CliRunner().invoke(command, arguments, env={"COLUMNS": str(width)}, catch_exceptions=False)
+    assert result.exit_code == 0
+    return result.output.splitlines()
+
+
+def refusal(*arguments: str) -> str:
+    result = CliRunner().invoke(command, arguments)
+    assert isinstance(result.exception, UserError)
+    return str(result.exception)
+
+
+def test_the_published_run_and_its_last_tasks_are_the_default():
+    assert [line for line in printed() if "task" in line and line.startswith("env")] == [
+        f"env{place}, task F (30 seeds: mean [interval])" for place in (1, 2, 3)
+    ]
+
+
+def test_a_cell_is_the_estimate_of_the_file():
+    lines = printed("published", "-e", "env1", "-m", "ptl", "-x", "total_steps")
+    metrics = read_csv("reports/published/tables/metrics.csv").set_index(["environment", "task", "method", "metric"])
+    row = metrics.loc["env1", "F", "ptl", "total_steps"]
+    assert lines[-2].split("  ")[-1].strip() == estimate(row["mean"], row["ci_low"], row["ci_high"])
+    assert lines[-2].startswith("ptl ")
+
+
+def test_seeds_that_missed_the_threshold_are_counted():
+    text = "\n".join(printed("-e", "env1", "-x", "threshold_episode"))
+    assert "(5 of 30)" in text and "not reached" in text
+
+
+def test_all_tasks_and_the_first_one_is_marked():
+    heads = [line for line in printed("-e", "env2", "-t", "all") if line.startswith("env2")]
+    assert len(heads) == 6
+    assert ["nothing to transfer yet" in head for head in heads] == [True, *[False] * 5]
+
+
+@pytest.mark.parametrize("width", [60, 90, 200])
+def test_lines_fit_the_terminal_and_columns_are_aligned(width):
+    lines = printed("-e", "env1", width=width)
+    assert max(map(len, lines)) <= width
+    blocks = "\n".join(lines[1:]).strip("\n").split("\n\n")
+    assert len(blocks) > 1 or width == 200
+    for block in blocks:
+        assert len({len(line) for line in block.splitlines()}) == 1
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere"], "reports/nowhere/tables/metrics.csv: no such file; runs with measures: "),
+        (["-e", "env9"], "no environment 'env9'; there are env1, env2, env3"),
+        (["-t", "Z"], "no task 'Z'; there are A, B"),
+        (["-x", "speed"], "no metric 'speed'; there are first_episode"),
+    ],
+)
+def test_unknown_names_are_refused_with_those_that_exist(arguments, message):
+    assert message in refusal(*arguments)
+
+
+def test_without_any_run_the_folder_is_named(tmp_path: Path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert refusal() == "reports/*/tables/metrics.csv: 0 runs; name one of none"
