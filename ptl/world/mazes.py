@@ -1,8 +1,9 @@
-"""Generated maps of any size: chains of rooms, open grids with random walls, random rooms.
+"""Generated maps of any size: chains of rooms, random rooms, mazes, caves and open ground.
 
-Our choice throughout; the article has three fixed maps. These serve the tests and the measurements of how the cost
-grows. A map text has ``#`` for a wall, ``.`` for a free cell, ``I`` for the start and letters for goals. Every map
-joins its start to all of its goals; open grids may keep free cells that no path leads to.
+Our choice throughout; the article has three fixed maps. These serve the tests, the measurements of how the cost
+grows and the second study, whose families of maps are the last part of this module. A map text has ``#`` for a wall,
+``.`` for a free cell, ``I`` for the start and letters for goals. Every map joins its start to all of its goals; open
+grids may keep free cells that no path leads to.
 """
 
 from __future__ import annotations
@@ -46,7 +47,12 @@ def open_grid(rng: np.random.Generator, rows: int, columns: int, wall_share: flo
 
 def random_rooms(rng: np.random.Generator, rows: int, columns: int, goals: str = GOALS) -> str:
     """Return a framed grid, cut recursively into rooms by walls with one or two doors each."""
-    grid = framed(rows, columns)
+    return to_text(with_letters(rng, split_into_rooms(rng, framed(rows, columns)), goals))
+
+
+def split_into_rooms(rng: np.random.Generator, grid: np.ndarray) -> np.ndarray:
+    """Cut a framed grid recursively into rooms by walls with one or two doors each; return it."""
+    rows, columns = grid.shape
     parts = [(1, 1, rows - 1, columns - 1)]
     while parts:
         top, left, bottom, right = parts.pop()
@@ -75,7 +81,7 @@ def random_rooms(rng: np.random.Generator, rows: int, columns: int, goals: str =
             grid[top:bottom, line] = WALL
             grid[rng.integers(top, bottom, doors), line] = FREE
             parts += [(top, left, bottom, line), (top, line + 1, bottom, right)]
-    return to_text(with_letters(rng, grid, goals))
+    return grid
 
 
 def framed(rows: int, columns: int) -> np.ndarray:
@@ -123,3 +129,83 @@ def largest_part(grid: np.ndarray) -> list[tuple[int, int]]:
 def to_text(grid: np.ndarray) -> str:
     """Return the map text of a grid of letters, shape (rows, columns)."""
     return "".join("".join(row) + "\n" for row in grid)
+
+
+# -- families of the second study: grids of about so many free cells, without letters
+
+
+def chain(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return six to nine rooms of random lengths in a row, with a door at a random place of each wall between."""
+    rooms = int(rng.integers(6, 10))
+    height = round(np.sqrt(states / rooms))
+    length = states / rooms / height
+    lengths = rng.integers(max(2, round(0.6 * length)), round(1.4 * length) + 1, rooms)
+    grid = framed(height + 2, lengths.sum() + rooms + 1)
+    for wall in np.cumsum(lengths + 1)[:-1]:
+        grid[:, wall] = WALL
+        grid[rng.integers(1, height + 1), wall] = FREE
+    return grid
+
+
+def rooms(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return a square cut recursively into rooms, with one or two doors in each wall."""
+    side = round(np.sqrt(1.25 * states)) + 2
+    return split_into_rooms(rng, framed(side, side))
+
+
+def maze(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return a perfect maze, in which one path joins any two cells (Kruskal's algorithm with random weights)."""
+    side = round(np.sqrt(states / 2))
+    grid = np.full((2 * side + 1, 2 * side + 1), WALL)
+    grid[1::2, 1::2] = FREE
+    part = np.arange(side * side)
+    walls = [(row, column) for row in range(1, 2 * side) for column in range(1, 2 * side) if (row + column) % 2]
+    for row, column in rng.permutation(walls):
+        across = row % 2 == 0
+        first = (row - across) // 2 * side + (column - (not across)) // 2
+        second = (row + across) // 2 * side + (column + (not across)) // 2
+        if part[first] != part[second]:
+            part[part == part[second]] = part[first]
+            grid[row, column] = FREE
+    return grid
+
+
+def braided(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return a maze without dead ends: one more wall of each is opened."""
+    grid = maze(rng, round(0.9 * states))
+    for row, column in np.argwhere(grid[1::2, 1::2] == FREE) * 2 + 1:
+        sides = [(row - 1, column), (row + 1, column), (row, column - 1), (row, column + 1)]
+        closed = [(r, c) for r, c in sides if grid[r, c] == WALL]
+        inner = [(r, c) for r, c in closed if 0 < r < len(grid) - 1 and 0 < c < len(grid) - 1]
+        if len(closed) == 3:
+            grid[inner[rng.integers(len(inner))]] = FREE
+    return grid
+
+
+def cave(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return a cave: a cellular automaton on random walls, in which a cell takes the majority of its nine."""
+    side = round(np.sqrt(1.9 * states)) + 2
+    while True:
+        wall = np.ones((side, side), dtype=int)
+        wall[1:-1, 1:-1] = rng.random((side - 2, side - 2)) < 0.43
+        for _ in range(3):
+            around = np.sum([np.roll(wall, (y, x), (0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1)], axis=0)
+            wall[1:-1, 1:-1] = around[1:-1, 1:-1] >= 5
+        grid = np.where(wall, WALL, FREE)
+        if 0.75 < len(largest_part(grid)) / states < 1.25:
+            return grid
+
+
+def ground(rng: np.random.Generator, states: int) -> np.ndarray:
+    """Return open ground with rectangular obstacles on a fifth of it."""
+    side = round(np.sqrt(1.25 * states)) + 2
+    grid = framed(side, side)
+    while np.mean(grid[1:-1, 1:-1] == WALL) < 0.2:
+        top, left = rng.integers(1, side - 1, 2)
+        height, width = rng.integers(1, 5, 2)
+        grid[top : min(top + height, side - 1), left : min(left + width, side - 1)] = WALL
+    return grid
+
+
+FAMILIES = {"chain": chain, "rooms": rooms, "maze": maze, "braided": braided, "cave": cave, "ground": ground}
+"""Generators by the name of the family: a random generator and a number of states give a grid."""
