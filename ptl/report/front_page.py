@@ -1,11 +1,13 @@
-"""The first page of the report: the question, the verdicts, and the main result."""
+"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a page of its own."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 
+from ptl.report.ledger import CLASSES
 from ptl.report.templating import render
 from ptl.study.claims.verdict import Verdict
 from ptl.study.measures import BASE
@@ -34,25 +36,67 @@ def compose(
     labels : mapping
         Name of each method as readers see it.
     """
+    return render("front_page.rst", **_facts(claims, metrics, titles, tasks, labels))
+
+
+def compose_page(
+    claims: pd.DataFrame,
+    metrics: pd.DataFrame,
+    titles: Mapping[str, str],
+    tasks: Mapping[str, str],
+    labels: Mapping[str, str],
+    figures: Mapping[str, tuple[str, str]],
+    tables: Mapping[str, str],
+) -> str:
+    """Compose ``index.html``, which shows the products beside it: the first page, all figures, links to the tables.
+
+    Parameters
+    ----------
+    claims, metrics, titles, tasks, labels
+        See `compose`.
+    figures : mapping
+        Title and caption of each figure, by the name of its files.
+    tables : mapping
+        Title of each table, by the name of its files.
+    """
+    rows = claims.to_dict("records")
+    kinds = {str(verdict): kind for verdict, kind in CLASSES.items()}
+    return render(
+        "index.html",
+        title="Partial transfer learning: a reproduction",
+        claims=[{**row, "kind": kinds[row["verdict"]]} for row in rows],
+        figures=[(name, title, caption) for name, (title, caption) in figures.items()],
+        tables=list(tables.items()),
+        **_facts(claims, metrics, titles, tasks, labels),
+    )
+
+
+def _facts(
+    claims: pd.DataFrame,
+    metrics: pd.DataFrame,
+    titles: Mapping[str, str],
+    tasks: Mapping[str, str],
+    labels: Mapping[str, str],
+) -> dict[str, Any]:
+    """Return what both forms of the page show."""
     counts, few = (claims[column].value_counts() for column in ("verdict", "verdict_30"))
     last_tasks = {name: letters[-1] for name, letters in tasks.items() if len(letters) > 1}
     seeds = int(metrics["seeds"].max())
     chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
-    return render(
-        "front_page.rst",
-        claims=len(claims),
-        counts=[(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
-        few=[(few[verdict], verdict) for verdict in map(str, Verdict) if verdict in few],
-        failing=list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
-        seeds=seeds,
-        with_interval=note(seeds, "its interval"),
-        heads=[f"{titles[name]}, task {task}" for name, task in last_tasks.items()],
-        rows=[
+    return {
+        "total": len(claims),
+        "counts": [(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
+        "few": [(few[verdict], verdict) for verdict in map(str, Verdict) if verdict in few],
+        "failing": list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
+        "seeds": seeds,
+        "with_interval": note(seeds, "its interval"),
+        "heads": [f"{titles[name]}, task {task}" for name, task in last_tasks.items()],
+        "rows": [
             (label, [_ratio(chosen, (name, task, method)) for name, task in last_tasks.items()])
             for method, label in labels.items()
             if method != BASE
         ],
-    )
+    }
 
 
 def _ratio(chosen: pd.DataFrame, place: tuple[str, str, str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from docutils.core import publish_parts
 
-from ptl.report.front_page import compose
+from ptl.report.front_page import compose, compose_page
 
 CLAIMS = pd.DataFrame(
     {
@@ -55,3 +55,13 @@ def test_front_page_heads_nothing_with_a_first_task_and_says_why_intervals_are_m
 def test_front_page_is_proper_restructured_text():
     html = publish_parts(page(), writer="html", settings_overrides={"halt_level": 2, "report_level": 2})
     assert "<table" in html["html_body"]
+
+
+def test_the_page_shows_verdicts_figures_and_tables_and_escapes_names():
+    figures = {"figure12": ("Figure 12: steps", "Mean of <30> seeds.")}
+    arguments = {"claims": CLAIMS, "metrics": METRICS, "titles": {"env1": "A <b> room"}, "tasks": {"env1": "EF"}}
+    html = compose_page(**arguments, labels=LABELS, figures=figures, tables={"table1": "Table 1. Jump start"})
+    assert '<img src="figures/figure12.png" alt="Figure 12: steps"' in html and "Mean of &lt;30&gt; seeds." in html
+    assert '<a href="tables/table1.html">Table 1. Jump start</a>' in html
+    assert '<a href="claims.html#b">b</a> <b>not reproduced</b>' in html
+    assert "A &lt;b&gt; room, task F" in html and "0.9 [0.8, 1]" in html

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+import re
+
 import h5py
 import pandas as pd
 import pytest
@@ -65,6 +68,16 @@ def test_per_seed_measures_are_those_of_the_files(smoke):
 
 def test_second_run_has_nothing_to_do(tiny):
     assert "Nothing to be done" in tiny.make()
+
+
+def test_every_link_of_the_page_leads_to_a_product(tiny):
+    reports = tiny.folder / "reports/tiny"
+    page = (reports / "index.html").read_text(encoding="utf-8")
+    targets = set(re.findall(r'(?:href|src)="([^"#:]+)(?:#[^"]*)?"', page))
+    assert len(targets) > 30 and "explorer.html" in targets
+    assert not [target for target in targets if not (reports / target).is_file()]
+    products = json.loads((reports / "manifest.json").read_text())["products"]
+    assert targets <= set(products) and "index.html" in products
 
 
 def test_report_holds_the_products(tiny, tmp_path):

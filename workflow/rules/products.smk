@@ -9,7 +9,8 @@ rule front_page:
         claims=rules.judge_claims.output.csv,
         metrics=rules.tabulate.output.metrics,
     output:
-        "<reports>/front_page.rst",
+        text="<reports>/front_page.rst",
+        page="<reports>/index.html",
     log:
         "<logs>/front_page.log",
     conda:
@@ -18,9 +19,14 @@ rule front_page:
         environments=entries(),
         methods=METHODS,
         foreign=FOREIGN,
+        figures={
+            name: (f"{item_label(name, row)}: {row.shows}", row.caption)
+            for name, row in FIGURES.items()
+        },
+        tables=TABLES,
         code=code_digest("ptl.report.front_page", *method_modules(METHODS)),
     message:
-        "Composing the front page of the report"
+        "Composing the front page of the report and {output.page}"
     script:
         "../scripts/front_page.py"
 
@@ -32,6 +38,7 @@ rule manifest:
         rules.claims.input,
         rules.policy_reuse_table.output,
         rules.front_page.output,
+        rules.explorer.input,
     output:
         manifest="<reports>/manifest.json",
         # tells products that were made here from those that were checked out
