@@ -24,13 +24,13 @@ reproduce: build  ## Everything: all runs, tables, figures, verdicts and reports
 	$(if $(wildcard results/published),,find reports/published -type f -exec touch -t 200001010000 {} +)
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report reports/published/report.html
-	@echo "Open reports/published/report.html and reports/published/explorer.html in a browser."
+	@echo "Open reports/published/index.html in a browser; report.html beside it is Snakemake's report."
 	@.venv/bin/ptl verify reports/published --against published --exit-zero
 
 smoke: build  ## The same DAG on a small configuration, in under two minutes.
 	$(SNAKEMAKE) --configfile config/smoke.yaml
 	$(SNAKEMAKE) --configfile config/smoke.yaml --report reports/smoke/report.html
-	@echo "Open reports/smoke/report.html and reports/smoke/explorer.html in a browser."
+	@echo "Open reports/smoke/index.html in a browser; report.html beside it is Snakemake's report."
 
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
