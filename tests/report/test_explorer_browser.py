@@ -416,6 +416,11 @@ def test_a_cut_first_episode_says_so(browser, files, monkeypatch, tmp_path, read
     assert page.text("#compare-note") and page.find("#compare-note").is_displayed()
 
 
+def test_nothing_is_headlined_for_the_first_task(page):
+    page.open(environment="chain", task="C", seed=3)
+    assert page.text("#finding").startswith("Task C is the first, so nothing is transferred yet")
+
+
 def test_comparison_names_the_better_method(page, read):
     page.open(environment="chain", task="B", seed=3)
     with read("chain", "ptl", 3) as ours, read("chain", "no_transfer", 3) as base:

@@ -205,6 +205,12 @@ class App {
         strong(String(first.distances[first.start])), ".");
       return;
     }
+    if (this.view.task === this.environment.tasks[0]) {
+      byId("finding").replaceChildren(
+        `Task ${this.view.task} is the first, so nothing is transferred yet: any difference between the methods is luck`,
+        " or their exploration.");
+      return;
+    }
     const [less, more] = total(first) <= total(second) ? [first, second] : [second, first];
     byId("finding").replaceChildren(
       `Over ${formatCount(count)} episodes of task ${this.view.task} `,
