@@ -16,7 +16,7 @@ from ptl.text import estimate
 
 
 def compose(
-    claims: pd.DataFrame,
+    claims: pd.DataFrame | None,
     metrics: pd.DataFrame,
     titles: Mapping[str, str],
     tasks: Mapping[str, str],
@@ -26,8 +26,8 @@ def compose(
 
     Parameters
     ----------
-    claims : DataFrame
-        Columns id, verdict, verdict_30.
+    claims : DataFrame or None
+        Columns id, verdict, verdict_30; None for a run that judges none.
     metrics : DataFrame
         The table of estimates.
     titles, tasks : mapping
@@ -40,7 +40,7 @@ def compose(
 
 
 def compose_page(
-    claims: pd.DataFrame,
+    claims: pd.DataFrame | None,
     metrics: pd.DataFrame,
     titles: Mapping[str, str],
     tasks: Mapping[str, str],
@@ -59,11 +59,11 @@ def compose_page(
     tables : mapping
         Title of each table, by the name of its files.
     """
-    rows = claims.to_dict("records")
+    rows = [] if claims is None else claims.to_dict("records")
     kinds = {str(verdict): kind for verdict, kind in CLASSES.items()}
     return render(
         "index.html",
-        title="Partial transfer learning: a reproduction",
+        title="Partial transfer learning" + (": a reproduction" if rows else " study"),
         claims=[{**row, "kind": kinds[row["verdict"]]} for row in rows],
         figures=[(name, title, caption) for name, (title, caption) in figures.items()],
         tables=list(tables.items()),
@@ -72,13 +72,15 @@ def compose_page(
 
 
 def _facts(
-    claims: pd.DataFrame,
+    claims: pd.DataFrame | None,
     metrics: pd.DataFrame,
     titles: Mapping[str, str],
     tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return what both forms of the page show."""
+    if claims is None:
+        claims = pd.DataFrame(columns=["id", "verdict", "verdict_30"])
     counts, few = (claims[column].value_counts() for column in ("verdict", "verdict_30"))
     last_tasks = {name: letters[-1] for name, letters in tasks.items() if len(letters) > 1}
     seeds = int(metrics["seeds"].max())

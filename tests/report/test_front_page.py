@@ -65,3 +65,5 @@ def test_the_page_shows_verdicts_figures_and_tables_and_escapes_names():
     assert '<a href="tables/table1.html">Table 1. Jump start</a>' in html
     assert '<a href="claims.html#b">b</a> <b>not reproduced</b>' in html
     assert "A &lt;b&gt; room, task F" in html and "0.9 [0.8, 1]" in html
+    neutral = compose_page(**{**arguments, "claims": None}, labels=LABELS, figures=figures, tables={})
+    assert "article" not in neutral and "Verdicts" not in neutral and "study</h1>" in neutral
