@@ -1,8 +1,5 @@
 # The verdict on every claim of the article: from the runs of the tables, and from many more that decide it.
 
-from pathlib import Path
-
-from ptl.files.manifest import sha256
 from ptl.study.decision import decision_jobs
 
 DECISIONS = decision_jobs(config)
@@ -70,12 +67,6 @@ rule judge_claims:
         "Judging the claims of the article"
     script:
         "../scripts/judge_claims.py"
-
-
-def shares_of_study():
-    """Table of the robustness study with its checksum, if the study was made; asking for it would run the study."""
-    path = f"reports/{config['run']}/robustness/share.csv"
-    return {"path": path, "sha256": sha256(Path(path))} if os.path.isfile(path) else {}
 
 
 rule explain_differences:

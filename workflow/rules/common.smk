@@ -4,10 +4,12 @@ import json
 import os
 import shlex
 import sys
+from pathlib import Path
 
 from ptl.errors import UserError
 from ptl.files.atomic import remove_unfinished
 from ptl.files.configuration import completed, read_yaml
+from ptl.files.manifest import sha256
 from ptl.files.provenance import check_build, code_digest
 
 
@@ -93,3 +95,9 @@ def learning_files(environments=ENVIRONMENTS, methods=METHODS):
 def method_modules(methods):
     """Modules that give methods their names and colours."""
     return [f"ptl.methods.{method}" for method in methods]
+
+
+def shares_of_study():
+    """Table of the robustness study with its checksum, if the study was made; asking for it would run the study."""
+    path = f"reports/{config['run']}/robustness/share.csv"
+    return {"path": path, "sha256": sha256(Path(path))} if os.path.isfile(path) else {}
