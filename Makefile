@@ -71,7 +71,7 @@ format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint check
 	.venv/bin/ruff format .
 	.venv/bin/snakefmt Snakefile workflow
 
-docs: build  ## Bring config/README.md and README.md up to date with the code and the published run.
+docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl config-docs
 	.venv/bin/ptl readme
 

@@ -13,15 +13,17 @@ if TYPE_CHECKING:
 
 MARK = "<!-- The rest of this page is made from ptl/config.py by: ptl config-docs -->\n"
 PAGE = Path("config/README.md")
+FORMATS = Path("docs/file-format.md")
 
 
 @click.command()
 @click.argument("page", type=click.Path(dir_okay=False, path_type=Path), default=PAGE)
 @click.option("--schema", is_flag=True, help="Print a JSON schema for editors instead.")
 def command(page: Path, schema: bool) -> None:
-    """Bring the tables of keys in PAGE (config/README.md) up to date."""
+    """Bring the tables of keys in PAGE (config/README.md), and those of docs/file-format.md, up to date."""
     from ptl.errors import UserError
     from ptl.files.atomic import write_text
+    from ptl.files.schema_docs import filled
 
     if schema:
         click.echo(json_schema())
@@ -33,6 +35,8 @@ def command(page: Path, schema: bool) -> None:
     if not mark:
         raise UserError(f"{page}: has no line {MARK.strip()!r}; add it where the tables shall begin")
     write_text(page, introduction + MARK + "\n" + tables())
+    if page == PAGE and FORMATS.is_file():
+        write_text(FORMATS, filled(FORMATS.read_text(encoding="utf-8")))
 
 
 def json_schema() -> str:

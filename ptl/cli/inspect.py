@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
+    from ptl.files.hdf5 import Node
     from ptl.files.results import LearningFile, ResultFile
     from ptl.world.gridworld import GridWorld
 
@@ -15,36 +16,64 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 def command(files: tuple[Path, ...]) -> None:
-    """Print the origin of each of the FILES, a summary of its tasks, and its map with the subgoals as 1, 2, 3 ..."""
-    from ptl.files.results import LearningFile, open_result
+    """Print the origin of each of the FILES, a summary of its content, and its map with the subgoals as 1, 2, 3 ..."""
+    from ptl.errors import printable
+    from ptl.files.hdf5 import read_file
+    from ptl.files.results import WITH_ORIGIN, LearningFile, read_result
+    from ptl.files.schema import KINDS
 
     for path in files:
-        with open_result(path) as result:
-            click.echo(f"{path}  ({result.format})")
-            for name in ("environment", "method", "seed", "trajectories", "root_seed", "code"):
-                if name in result.file.attrs:
-                    click.echo(f"  {name:<12} {result.file.attrs[name]}")
-            click.echo("  versions     " + ", ".join(f"{k} {v}" for k, v in result.versions.items()))
-            for group, values in result.parameters.items():
-                click.echo(f"  {group:<12} " + ", ".join(f"{key} {value}" for key, value in values.items()))
-            click.echo("")
-            if isinstance(result, LearningFile):
-                _show_tasks(result)
-            elif "library_size" in result.file:
-                sizes = result.file["library_size"][()].tolist()
-                click.echo("  skills after each task: " + " ".join(map(str, sizes[1:])))
-            else:
-                _show_counts(result)
-            if result.library is not None:
-                click.echo(_picture(result.world, [skill.subgoal for skill in result.library]))
+        content = read_file(path, *KINDS)
+        kind = KINDS[content.attrs["format"]]
+        click.echo(printable(f"{path}  ({kind.format})"))
+        click.echo(f"  {kind.root.meaning}")
+        _show_origin(content)
+        click.echo("")
+        if kind.format not in WITH_ORIGIN:
+            _show_arrays(content, "")
+            continue
+        result = read_result(path)
+        if isinstance(result, LearningFile):
+            _show_tasks(result)
+        elif "library_size" in result.file:
+            click.echo("  skills after each task: " + " ".join(map(str, result.file["library_size"][1:])))
+        else:
+            _show_counts(result)
+        if result.library is not None:
+            click.echo(_picture(result.world, [skill.subgoal for skill in result.library]))
+
+
+def _show_origin(content: Node) -> None:
+    from ptl.errors import printable
+
+    for name, value in content.attrs.items():
+        if name in ("environment", "method", "seed", "trajectories", "root_seed", "code", "arm", "setting", "status"):
+            click.echo(printable(f"  {name:<12} {value}"))
+    versions = content.attrs["versions"]
+    click.echo(printable("  versions     " + ", ".join(f"{name} {version}" for name, version in versions.items())))
+    for group, values in content.attrs.get("parameters", {}).items():
+        listed = values if isinstance(values, dict) else {"": values}
+        click.echo(printable(f"  {group:<12} " + ", ".join(f"{name} {value}" for name, value in listed.items())))
+
+
+def _show_arrays(node: Node, where: str) -> None:
+    from ptl.files.hdf5 import Node
+
+    for name, item in node.items():
+        if isinstance(item, Node):
+            _show_arrays(item, f"{where}{name}/")
+        else:
+            click.echo(f"  {where + name:<40} {' x '.join(map(str, item.shape)):>16}  {item.dtype}")
 
 
 def _show_tasks(result: LearningFile) -> None:
+    from ptl.errors import printable
+
     click.echo("  task  shortest    first   last 10       total  truncated  subgoal (row, column)")
     world = result.world
     for name, task in result.tasks.items():
         steps = task.steps
-        subgoal = task.reason
+        subgoal = printable(task.reason)
         if task.subgoal >= 0:
             row, column = world.cells[task.subgoal]
             subgoal = f"({row}, {column})"
@@ -59,8 +88,8 @@ def _show_tasks(result: LearningFile) -> None:
 def _show_counts(result: ResultFile) -> None:
     from ptl.text import number, percent
 
-    counts = result.file["counts"][()]
-    pairs = int(result.file["pairs"][()])
+    counts = result.file["counts"]
+    pairs = int(result.file["pairs"])
     click.echo(f"  {number(pairs)} pairs of start and goal; most frequent subgoals (row, column):")
     for state in counts.argsort()[::-1][:10]:
         row, column = result.world.cells[state]

@@ -81,7 +81,9 @@ def merge(batches: tuple[str, ...], output: str) -> None:
     for path in batches:
         with open_result(path, FREQUENCIES) as result:
             run.admit(path, result)
-            parts.append({name: result.file[name][()] for name in ARRAYS})
+            parts.append({name: result.file[name] for name in ARRAYS})
+            if "batch" not in result.file.attrs:
+                raise UserError(f"{path}: holds all starts, not a batch of them; give the batches")
             numbers.append(int(result.file.attrs["batch"]))
             origin = {
                 "environment": result.environment,

@@ -6,6 +6,9 @@ from pathlib import Path
 
 import click
 
+LISTED = 5
+"""Unchecked files that are named."""
+
 
 @click.command()
 @click.argument("paths", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -19,8 +22,9 @@ import click
 def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_code: bool) -> None:
     """Check HDF5 files, sealed tables and report folders with a manifest, or all of them below folders.
 
-    HDF5 files: checksum, place, invariants, version of the code. Tables that come with a checksum
-    (<table>.sha256): that. Report folders: every product against the folder's manifest.json.
+    HDF5 files: checksum, content as declared, place, invariants, version of the code. Files that come with a checksum
+    (<file>.sha256): that. Report folders: every product against the folder's manifest.json. Files below folders that
+    nothing is known about are counted as not checked.
 
     With --against, say instead how the report folders PATHS compare with another run: which products are equal, equal
     within a tolerance, or different, and which verdicts changed. 'published' stands for the published run, as git's
@@ -29,10 +33,10 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
     """
     from ptl.cli._progress import shown
-    from ptl.errors import UserError
+    from ptl.errors import UserError, printable
     from ptl.files.comparison import compare, reference
     from ptl.files.manifest import MANIFEST, read
-    from ptl.files.verification import checkable, faults_of
+    from ptl.files.verification import checkable, faults_of, unchecked
 
     if against is not None:
         found = [compare(folder, reference(against, folder)) for folder in paths]
@@ -48,10 +52,15 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     for path in shown(files, "Verifying"):
         faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
     for fault in faults:
-        click.echo(fault)
+        click.echo(printable(fault))
     if faults:
         raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked")
     click.echo(f"{len(files)} files are whole, in place and consistent")
     for path in files:
         if path.name == MANIFEST:
-            click.echo(f"{len(read(path)['products'])} products are those of {path}")
+            click.echo(printable(f"{len(read(path)['products'])} products are those of {path}"))
+    left = list(dict.fromkeys(file for path in paths for file in unchecked(path, files)))
+    if left:
+        more = ", ..." if len(left) > LISTED else ""
+        listed = ", ".join(map(str, left[:LISTED]))
+        click.echo(printable(f"not checked, because no checksum is kept of them: {len(left)} files ({listed}{more})"))

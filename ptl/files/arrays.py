@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from ptl.files.hdf5 import new_file, open_file
+from ptl.files.hdf5 import Node, new_file, read_file
 
 
 def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> None:
@@ -31,19 +30,20 @@ def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], 
 
 
 def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Read the arrays by name and the root attributes of a file that `write_arrays` wrote.
+    """Read the arrays by name and the root attributes (JSON decoded) of a file that `write_arrays` wrote.
 
     Raises
     ------
     UserError
-        When the file is missing, damaged or of another kind.
+        If the file is missing, damaged, of another kind or does not fit the declaration of its kind.
     """
-    arrays: dict[str, np.ndarray] = {}
+    root = read_file(path, kind)
+    return dict(_arrays(root, "")), root.attrs
 
-    def collect(name: str, item: h5py.Group | h5py.Dataset) -> None:
-        if isinstance(item, h5py.Dataset):
-            arrays[name] = item[()]
 
-    with open_file(path, kind) as file:
-        file.visititems(collect)
-        return arrays, dict(file.attrs)
+def _arrays(node: Node, where: str) -> Iterator[tuple[str, np.ndarray]]:
+    for name, item in node.items():
+        if isinstance(item, Node):
+            yield from _arrays(item, f"{where}{name}/")
+        else:
+            yield f"{where}{name}", item

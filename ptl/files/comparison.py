@@ -22,7 +22,8 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ptl.errors import UserError
-from ptl.files.manifest import MANIFEST, parse, read, sha256
+from ptl.files.manifest import MANIFEST, parse, read
+from ptl.files.regular import sha256
 
 if TYPE_CHECKING:
     import numpy as np

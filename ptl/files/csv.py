@@ -9,14 +9,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ptl.errors import UserError
+from ptl.files import regular
 from ptl.files.atomic import write_text
-from ptl.files.remedies import make_again, rebuild_command
+from ptl.files.remedies import make, make_again
 
 if TYPE_CHECKING:
     import pandas as pd
 
 SIGNIFICANT_DIGITS = 6
 """Digits of every number in a CSV file: enough for a reader, too few to show another processor's last bit."""
+
+
+LONGEST_SEAL = 1000
 
 
 def write_csv(frame: pd.DataFrame, path: str | os.PathLike[str], *, sealed: bool = False) -> None:
@@ -41,11 +45,9 @@ def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
     import pandas as pd
 
     try:
-        content = Path(path).read_bytes()
-    except OSError as error:
-        raise UserError(
-            f"{path}: cannot be read as CSV ({error.strerror}); run '{rebuild_command(path)}' to make it"
-        ) from error
+        content = regular.read_bytes(path, regular.MOST_BYTES)
+    except regular.NotReadable as error:
+        raise UserError(f"{path}: cannot be read as CSV ({error.reason}); {make(path)}") from error
     if broken_seal(path, content):
         raise UserError(f"{path}: damaged (differs from its checksum in {seal_of(path).name}); {make_again(path)}")
     try:
@@ -62,7 +64,9 @@ def seal_of(path: str | os.PathLike[str]) -> Path:
 def broken_seal(path: str | os.PathLike[str], content: bytes) -> bool:
     """Return whether a file has a seal that does not match this content."""
     seal = seal_of(path)
-    return seal.is_file() and seal.read_bytes() != f"{_sha256(content)}  {Path(path).name}\n".encode()
+    if not os.path.lexists(seal):
+        return False
+    return regular.read_bytes(seal, LONGEST_SEAL) != f"{_sha256(content)}  {Path(path).name}\n".encode()
 
 
 def _sha256(content: bytes) -> str:

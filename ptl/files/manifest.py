@@ -5,18 +5,27 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+import re
 from collections.abc import Iterable, Mapping
 from importlib.metadata import version
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from ptl.errors import UserError
-from ptl.files.remedies import make_again, rebuild_command
+from ptl.files.regular import NotReadable, read_bytes, sha256
+from ptl.files.remedies import make, make_again
+from ptl.files.schema import Misfit, parse_json
 
 MANIFEST = "manifest.json"
 """Name of the manifest in a report folder."""
 
 PACKAGES = ("ptl", "numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
+
+MOST_BYTES = 2**24
+"""Most bytes of a manifest."""
+
+PARTS = {"config": dict, "versions": dict, "products": dict, "content": str}
+DIGEST = re.compile("[0-9a-f]{64}")
 
 
 def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any]) -> dict[str, Any]:
@@ -48,11 +57,14 @@ def damages(folder: Path) -> list[str]:
     found = []
     for name, digest in read(manifest_path)["products"].items():
         path = folder / name
-        if not path.is_file():
-            found.append(f"{path}: is missing; run '{rebuild_command(manifest_path)}' to make it")
-        elif sha256(path) != digest:
-            advice = f"remove it and run '{rebuild_command(manifest_path)}' to make both again"
-            found.append(f"{path}: differs from {MANIFEST}; {advice}")
+        try:
+            if sha256(path) != digest:
+                found.append(f"{path}: differs from {MANIFEST}; {make_again(path, manifest_path)}")
+        except NotReadable as error:
+            if error.missing:
+                found.append(f"{path}: is missing; {make(manifest_path)}")
+            else:
+                found.append(f"{path}: cannot be read ({error.reason}); {make_again(path, manifest_path)}")
     return found
 
 
@@ -65,29 +77,41 @@ def read(manifest_path: Path) -> dict[str, Any]:
         If it is missing, damaged or something else; the line ends with the command that makes it again.
     """
     try:
-        text = manifest_path.read_text(encoding="utf-8")
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else "not UTF-8"
-        raise UserError(f"{manifest_path}: is not a manifest ({reason}); {make_again(manifest_path)}") from error
+        text = read_bytes(manifest_path, MOST_BYTES).decode("utf-8")
+    except NotReadable as error:
+        advice = make(manifest_path) if error.missing else make_again(manifest_path)
+        raise UserError(f"{manifest_path}: is not a manifest ({error.reason}); {advice}") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{manifest_path}: is not a manifest (not UTF-8); {make_again(manifest_path)}") from error
     return parse(text, manifest_path)
 
 
 def parse(text: str, manifest_path: Path) -> dict[str, Any]:
     """Return the manifest that a text holds, as `read` does; the path is for the message."""
     try:
-        manifest = json.loads(text)
-        intact = manifest["content"] == _content(manifest) and "products" in manifest
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        reason = "not the JSON that 'snakemake' writes"
-        raise UserError(f"{manifest_path}: is not a manifest ({reason}); {make_again(manifest_path)}") from error
-    if not intact:
+        manifest = parse_json(text)
+        _check(manifest)
+    except Misfit as error:
+        raise UserError(f"{manifest_path}: is not a manifest ({error}); {make_again(manifest_path)}") from error
+    if manifest["content"] != _content(manifest):
         raise UserError(
             f"{manifest_path}: damaged (its content does not match its checksum); {make_again(manifest_path)}"
         )
     return manifest
 
 
-def sha256(path: Path) -> str:
-    """Return the hex sha256 of a file."""
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+def _check(manifest: Any) -> None:
+    """Refuse what the workflow never writes, above all names of products that lead out of the report folder."""
+    if not isinstance(manifest, dict) or set(manifest) != set(PARTS):
+        raise Misfit(f"must have the keys {', '.join(PARTS)}")
+    for name, kind in PARTS.items():
+        if not isinstance(manifest[name], kind):
+            raise Misfit(f"the key {name} must have a value of the type {kind.__name__}")
+    products = manifest["products"]
+    if not products:
+        raise Misfit("names no product")
+    for name, digest in products.items():
+        if name in {"", "."} or name != PurePosixPath(name).as_posix() or {"/", ".."} & {*PurePosixPath(name).parts}:
+            raise Misfit(f"{name!r} is no path below the report folder")
+        if not isinstance(digest, str) or not DIGEST.fullmatch(digest):
+            raise Misfit(f"{name}: has no sha256")

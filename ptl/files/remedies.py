@@ -5,27 +5,64 @@ from __future__ import annotations
 import os
 import re
 import shlex
+from contextlib import suppress
 from pathlib import Path
+
+from ptl.files.regular import NotReadable, read_bytes
+
+MOST_BYTES = 2**20
+"""Most bytes of a configuration file."""
+
+
+FOREIGN = "it belongs to no run of this folder, so name another file or make it again where it came from"
+"""Remedy for a file that the workflow in this folder does not make."""
 
 
 def rebuild_command(path: str | os.PathLike[str]) -> str:
-    """Return the Snakemake command that makes this product, with the configuration file that names its run.
+    """Return the Snakemake command that makes this product, with the configuration file that names its run."""
+    config = _config_of(path)
+    chosen = "" if config is None or config.name == "config.yaml" else f" --configfile {shlex.quote(str(config))}"
+    return f"snakemake {shlex.quote(str(_inside(path)))} --cores 1{chosen}"
 
-    Called in the folder of the Snakefile; a product outside of it is named as it is.
+
+def is_product(path: str | os.PathLike[str]) -> bool:
+    """Return whether a path is one of a product of a run that a configuration file in this folder names."""
+    return _config_of(path) is not None
+
+
+def _inside(path: str | os.PathLike[str]) -> Path:
+    """Return a path relative to this folder; one outside of it stays as it is."""
+    product = Path(os.path.relpath(path))
+    return Path(path) if product.parts[:1] == ("..",) else product
+
+
+def _config_of(path: str | os.PathLike[str]) -> Path | None:
+    """Return the configuration file of the run that a product belongs to."""
+    place, *names = _inside(path).parts or ("",)
+    if place not in {"results", "reports"} or len(names) < 2:
+        return None
+    for config in sorted(Path("config").glob("*.yaml")):
+        with suppress(NotReadable):
+            text = read_bytes(config, MOST_BYTES).decode("utf-8", "replace")
+            named = re.search(r"^run:[ \t]*[\"']?([\w-]+)", text, flags=re.M)
+            if named and named[1] == names[0]:
+                return config
+    return None
+
+
+def make_again(path: str | os.PathLike[str], product: str | os.PathLike[str] | None = None) -> str:
+    """Return the remedy for a file that exists but cannot be used.
+
+    Parameters
+    ----------
+    product : path, optional
+        What to ask of the workflow instead of the file itself.
     """
-    product = Path(os.path.relpath(path)) if Path(path).is_absolute() else Path(path)
-    if product.parts[:1] == ("..",):
-        product = Path(path)
-    command = f"snakemake {shlex.quote(str(product))} --cores 1"
-    if product.parts[:1] in {("results",), ("reports",)} and len(product.parts) > 1:
-        for config in sorted(Path("config").glob("*.yaml")):
-            named = re.search(r"^run:[ \t]*[\"']?([\w-]+)", config.read_text(encoding="utf-8"), flags=re.M)
-            if named and named[1] == product.parts[1]:
-                chosen = "" if config.name == "config.yaml" else f" --configfile {shlex.quote(str(config))}"
-                return command + chosen
-    return command
+    if not is_product(path):
+        return FOREIGN
+    return f"remove it and run '{rebuild_command(product or path)}' to make it again"
 
 
-def make_again(path: str | os.PathLike[str]) -> str:
-    """Return the remedy for a product that exists but cannot be used."""
-    return f"remove it and run '{rebuild_command(path)}' to make it again"
+def make(path: str | os.PathLike[str]) -> str:
+    """Return the remedy for a file that is missing."""
+    return f"run '{rebuild_command(path)}' to make it" if is_product(path) else "check the path"

@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
 from ptl.agent.skills import Skill, SkillLibrary
-from ptl.files.hdf5 import new_file, open_file
+from ptl.errors import UserError
+from ptl.files.hdf5 import Node, new_file, read_file
+from ptl.files.invariants import impossible
+from ptl.files.remedies import make_again
+from ptl.files.schema import FREQUENCIES, GROWTH, LEARNING
 from ptl.learning.life import Life, TaskRecord
 from ptl.world.gridworld import GridWorld
 
-LEARNING, GROWTH, FREQUENCIES = "ptl-learning/1", "ptl-growth/1", "ptl-frequencies/1"
-"""Values of the root attribute ``format``."""
+WITH_ORIGIN = (LEARNING, GROWTH, FREQUENCIES)
+"""Kinds of file that this module reads."""
 
-KINDS = (LEARNING, GROWTH, FREQUENCIES)
+MOST_FAULTS = 3
+"""Impossible things that one line names."""
 
 
 # -- writing ----------------------------------------------------------------------------------------------------------
@@ -65,12 +70,12 @@ def write_frequencies(
 
 def _write_task(group: h5py.Group, record: TaskRecord) -> None:
     discovery, update = record.discovery, record.update
-    group.attrs["start"] = record.task.start
-    group.attrs["goal"] = record.task.goal
-    group.attrs["subgoal"] = update.subgoal
+    group.attrs["start"] = int(record.task.start)
+    group.attrs["goal"] = int(record.task.goal)
+    group.attrs["subgoal"] = int(update.subgoal)
     group.attrs["reason"] = update.reason
-    group.attrs["novelty"] = discovery.novelty
-    group.attrs["diameter"] = discovery.diameter
+    group.attrs["novelty"] = float(discovery.novelty)
+    group.attrs["diameter"] = int(discovery.diameter)
     group["q"] = record.q
     group["seen"] = record.seen
     group["steps"] = record.steps
@@ -91,45 +96,53 @@ def _write_library(group: h5py.Group, library: SkillLibrary, n_states: int) -> N
 
 
 class TaskView:
-    """One task of a learning file; arrays are read when asked for, while the file is open."""
+    """One task of a learning file."""
 
-    def __init__(self, name: str, group: h5py.Group) -> None:
+    def __init__(self, name: str, node: Node) -> None:
         self.name = name
-        self._group = group
-        self.start = int(group.attrs["start"])
-        self.goal = int(group.attrs["goal"])
-        self.subgoal = int(group.attrs["subgoal"])
-        self.reason = str(group.attrs["reason"])
-        self.novelty = float(group.attrs["novelty"])
-        self.diameter = int(group.attrs["diameter"])
+        self._node = node
+        self.start: int = node.attrs["start"]
+        self.goal: int = node.attrs["goal"]
+        self.subgoal: int = node.attrs["subgoal"]
+        self.reason: str = node.attrs["reason"]
+        self.novelty: float = node.attrs["novelty"]
+        self.diameter: int = node.attrs["diameter"]
 
     def __getattr__(self, name: str) -> np.ndarray:
-        if name.startswith("_") or name not in self._group:
+        if name.startswith("_") or name not in self._node:
             raise AttributeError(f"task {self.name} holds no {name!r}")
-        return self._group[name][()]
+        return self._node[name]
 
     def selected_in(self, episode: int) -> list[int]:
         """Return the skills or arms drawn in an episode (counted from 0), in order."""
-        first, last = self._group["selected_offsets"][episode : episode + 2]
-        return self._group["selected"][first:last].tolist()
+        first, last = self.selected_offsets[episode : episode + 2]
+        return self.selected[first:last].tolist()
 
 
 class ResultFile:
-    """An open result file of any of the three kinds."""
+    """A growth, frequency or learning file, in memory.
 
-    def __init__(self, file: h5py.File) -> None:
+    Attributes
+    ----------
+    path : Path
+    file : Node
+        Arrays by name, and the root attributes in ``attrs``.
+    """
+
+    def __init__(self, path: Path, file: Node) -> None:
+        self.path = path
         self.file = file
-        self.format = str(file.attrs["format"])
-        self.environment = str(file.attrs["environment"])
-        self.code = str(file.attrs["code"])
-        self.root_seed = int(file.attrs["root_seed"])
-        self.parameters: dict[str, Any] = json.loads(file.attrs["parameters"])
-        self.versions: dict[str, str] = json.loads(file.attrs["versions"])
+        self.format: str = file.attrs["format"]
+        self.environment: str = file.attrs["environment"]
+        self.code: str = file.attrs["code"]
+        self.root_seed: int = file.attrs["root_seed"]
+        self.parameters: dict[str, Any] = file.attrs["parameters"]
+        self.versions: dict[str, str] = file.attrs["versions"]
 
     @cached_property
     def world(self) -> GridWorld:
         """The world that the job ran in."""
-        return GridWorld.from_text(str(self.file.attrs["map"]), name=f"map in {self.file.filename}")
+        return GridWorld.from_text(self.file.attrs["map"], name=f"map in {self.path}")
 
     @cached_property
     def library(self) -> list[Skill] | None:
@@ -137,35 +150,45 @@ class ResultFile:
         if "library" not in self.file:
             return None
         group = self.file["library"]
-        rows = zip(group["subgoals"][()], group["policies"][()], group["learned_after"][()], strict=True)
+        rows = zip(group["subgoals"], group["policies"], group["learned_after"], strict=True)
         return [Skill(int(subgoal), policy, int(after)) for subgoal, policy, after in rows]
 
 
 class LearningFile(ResultFile):
-    """An open learning file."""
+    """A learning file, in memory."""
 
-    def __init__(self, file: h5py.File) -> None:
-        super().__init__(file)
-        self.method = str(file.attrs["method"])
-        self.seed = int(file.attrs["seed"])
-        self.tasks = {name: TaskView(name, group) for name, group in file["tasks"].items()}
+    def __init__(self, path: Path, file: Node) -> None:
+        super().__init__(path, file)
+        self.method: str = file.attrs["method"]
+        self.seed: int = file.attrs["seed"]
+        self.tasks = {name: TaskView(name, node) for name, node in file["tasks"].items()}
 
 
-@contextmanager
-def open_learning(path: str | os.PathLike[str]) -> Iterator[LearningFile]:
-    """Open a learning file for reading.
+def read_result(path: str | os.PathLike[str], *kinds: str) -> ResultFile:
+    """Read a growth, frequency or learning file, or only one of some of these kinds.
 
     Raises
     ------
     UserError
-        If it is missing, damaged or of another kind.
+        If it is missing, damaged, of another kind, or its content does not fit the declaration of its kind or is
+        impossible.
     """
-    with open_file(path, LEARNING) as file:
-        yield LearningFile(file)
+    file = read_file(path, *(kinds or WITH_ORIGIN))
+    result = (LearningFile if file.attrs["format"] == LEARNING else ResultFile)(Path(path), file)
+    if faults := list(impossible(result)):
+        raise UserError(f"{path}: {'; '.join(faults[:MOST_FAULTS])}; {make_again(path)}")
+    return result
+
+
+@contextmanager
+def open_learning(path: str | os.PathLike[str]) -> Iterator[LearningFile]:
+    """Read a learning file; errors as in `read_result`."""
+    result = read_result(path, LEARNING)
+    assert isinstance(result, LearningFile)
+    yield result
 
 
 @contextmanager
 def open_result(path: str | os.PathLike[str], kind: str | None = None) -> Iterator[ResultFile]:
-    """Open a growth, frequency or learning file for reading; ``kind`` demands one of them."""
-    with open_file(path, *([kind] if kind else KINDS)) as file:
-        yield LearningFile(file) if file.attrs["format"] == LEARNING else ResultFile(file)
+    """Read a growth, frequency or learning file; ``kind`` demands one of them. Errors as in `read_result`."""
+    yield read_result(path, *([kind] if kind else []))

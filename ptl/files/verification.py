@@ -1,47 +1,62 @@
-"""Verification of result files: integrity, location and invariants."""
+"""Verification of the products of a run: integrity, location, possible content and the code that made them."""
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import h5py
-import numpy as np
-
-from ptl.agent.skills import Skill
 from ptl.errors import UserError
+from ptl.files import regular
 from ptl.files.atomic import UNFINISHED
-from ptl.files.csv import read_csv, seal_of
-from ptl.files.hdf5 import open_file
+from ptl.files.csv import broken_seal, seal_of
+from ptl.files.hdf5 import Node, read_file
 from ptl.files.manifest import MANIFEST, damages
+from ptl.files.manifest import read as read_manifest
 from ptl.files.provenance import code_digest
 from ptl.files.remedies import make_again
-from ptl.files.results import FREQUENCIES, GROWTH, KINDS, LEARNING, LearningFile, ResultFile, TaskView, open_result
-
-STEPS, GAIN, SETTING = ARCHIVES = ("ptl-steps/1", "ptl-gain/1", "ptl-robustness/1")
-"""Formats of plain arrays, which have a checksum but no invariants of their own."""
+from ptl.files.results import WITH_ORIGIN, LearningFile, ResultFile, read_result
+from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, SETTING, STEPS
 
 FOLDERS = (
-    "learning", "growth", "subgoal_frequencies", "misleading_prior", "fernandez_veloso", "robustness",
+    "learning", "growth", "subgoal_frequencies", "misleading_prior", "fernandez_veloso", "robustness", "decision",
 )  # fmt: skip
 """Folders below results/<run>/ that hold files of one kind."""
+
+
+ARCHIVES = (STEPS, GAIN, SETTING, FIT)
+"""Kinds of plain arrays."""
+
+TEXTS = {".csv", ".md", ".html", ".tex", ".svg", ".png", ".rst", ".json", ".yaml", ".txt"}
+"""Suffixes of files that are no HDF5 file even in name."""
 
 
 def checkable(path: Path) -> list[Path]:
     """Return the files that `faults_of` can check: the file itself, or those below a folder.
 
-    Those are HDF5 files, manifests and tables that come with a checksum, in alphabetical order. A table that its
-    checksum was lost of is still found by the manifest.
+    Those are HDF5 files, manifests and files that come with a checksum, in alphabetical order, behind symbolic links
+    to folders too. A table that its checksum was lost of is still found by the manifest.
     """
     if not path.is_dir():
         return [path]
-    sealed = {seal.with_suffix("") for seal in path.rglob("*.sha256")}
-    whole = (file for pattern in ("*.h5", MANIFEST) for file in path.rglob(pattern))
-    return sorted(sealed.union(file for file in whole if not file.name.startswith(UNFINISHED)))
+    files = set(regular.below(path))
+    whole = {file for file in files if file.suffix == ".h5" or file.name == MANIFEST}
+    sealed = {file for file in files if seal_of(file) in files}
+    lost = {file.with_suffix("") for file in files if file.suffix == ".sha256"} - files
+    return sorted(file for file in whole | sealed | lost if not file.name.startswith(UNFINISHED))
+
+
+def unchecked(path: Path, checked: list[Path]) -> list[Path]:
+    """Return the files below a folder that have no checksum anywhere; ``checked`` are those of `checkable`."""
+    if not path.is_dir():
+        return []
+    vouched = set(checked) | {seal_of(file) for file in checked}
+    for file in checked:
+        if file.name == MANIFEST:
+            vouched.update(file.parent / name for name in read_manifest(file)["products"])
+    return sorted(set(regular.below(path)) - vouched)
 
 
 def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
@@ -50,7 +65,7 @@ def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
     Parameters
     ----------
     path : Path
-        An HDF5 file that the workflow made, a table with its checksum beside it, or a manifest: then everything
+        An HDF5 file that the workflow made, a file with its checksum beside it, or a manifest: then everything
         that it names is held against it.
     current_code : bool
         Also demand that an HDF5 file was made by the code of this package.
@@ -58,24 +73,25 @@ def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
     try:
         if path.name == MANIFEST:
             return damages(path.parent)
-        if path.suffix != ".h5":
-            return _broken_table(path)
-        with open_file(path, *KINDS, *ARCHIVES) as file:
-            kind = str(file.attrs["format"])
-            found = list(_foreign_archive(path, file, current_code)) if kind in ARCHIVES else []
-        if kind in KINDS:
-            with open_result(path) as result:
-                found = [*_foreign(path, result, current_code), *_impossible(result)]
+        if path.suffix != ".h5" and seal_of(path).exists():
+            broken = broken_seal(path, regular.read_bytes(path, regular.MOST_BYTES))
+            found = [f"damaged (differs from its checksum in {seal_of(path).name})"] if broken else []
+        elif path.suffix in TEXTS:
+            return [f"{path}: has no checksum to hold it against; name its folder, or an HDF5 file"]
+        else:
+            found = _faults_of_result(path, current_code)
+    except regular.NotReadable as error:
+        found = [f"cannot be read ({error.reason})"]
     except UserError as error:
         return [str(error)]
     return [f"{path}: {fault}; {make_again(path)}" for fault in found]
 
 
-def _broken_table(path: Path) -> list[str]:
-    if not seal_of(path).is_file():
-        return [f"{path}: has no checksum to hold it against; name its folder, or an HDF5 file"]
-    read_csv(path)
-    return []
+def _faults_of_result(path: Path, current_code: bool) -> list[str]:
+    file = read_file(path, *WITH_ORIGIN, *ARCHIVES)
+    if file.attrs["format"] in ARCHIVES:
+        return list(_foreign_archive(path, file, current_code))
+    return list(_foreign(path, read_result(path), current_code))
 
 
 class OneRun:
@@ -104,7 +120,7 @@ class OneRun:
         if settings != expected:
             differing = ", ".join(key for key in expected if settings.get(key) != expected[key]) or "parameters"
             raise UserError(f"{path}: was made with other settings ({differing}) than {first}; {make_again(path)}")
-        world = {"map": str(result.file.attrs["map"])}
+        world = {"map": result.file.attrs["map"]}
         first, expected = self._first.setdefault(f"map of {result.environment}", (path, world))
         if world != expected:
             raise UserError(f"{path}: was made on another map than {first}; {make_again(path)}")
@@ -112,7 +128,7 @@ class OneRun:
 
 def _foreign(path: Path, result: ResultFile, current_code: bool) -> Iterator[str]:
     yield from _misplaced(path, result)
-    if current_code and result.code != _present_code(result.format, str(result.file.attrs.get("method", ""))):
+    if current_code and result.code != _present_code(result.format, result.file.attrs.get("method", "")):
         yield "was made by another version of the code"
 
 
@@ -125,9 +141,9 @@ def _present_code(kind: str, method: str) -> str:
     return code_digest("ptl.learning.survey")
 
 
-def _foreign_archive(path: Path, file: h5py.File, current_code: bool) -> Iterator[str]:
+def _foreign_archive(path: Path, file: Node, current_code: bool) -> Iterator[str]:
     """Check place and code of the files of plain arrays."""
-    kind = str(file.attrs["format"])
+    kind = file.attrs["format"]
     if kind == STEPS:
         if path.name != "steps.h5":
             yield "holds the steps of a whole run, steps.h5"
@@ -135,13 +151,16 @@ def _foreign_archive(path: Path, file: h5py.File, current_code: bool) -> Iterato
     name, modules = {
         GAIN: ("arm", ("ptl.study.policy_reuse_experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer")),
         SETTING: ("setting", ()),
+        FIT: ("setting", ()),
     }[kind]
-    if path.stem != str(file.attrs[name]):
+    if path.stem != file.attrs[name]:
         yield f"holds the job {file.attrs[name]}"
     if kind == SETTING:
-        methods = json.loads(file.attrs["job"])["methods"]
+        methods = file.attrs["job"]["methods"]
         modules = ("ptl.study.robustness.running", *[f"ptl.methods.{method}" for method in methods])
-    if current_code and str(file.attrs["code"]) != code_digest(*modules):
+    if kind == FIT:  # its name is a digest of everything that it was learned from, the code included
+        return
+    if current_code and file.attrs["code"] != code_digest(*modules):
         yield "was made by another version of the code"
 
 
@@ -157,7 +176,7 @@ def _misplaced(path: Path, result: ResultFile) -> Iterator[str]:
         if parts[-len(expected) :] != expected:
             yield f"holds the job {'/'.join(expected)}"
     elif result.format == GROWTH and folders[-1] == "growth":
-        expected_name = f"run_{int(result.file.attrs['seed']):03d}.h5"
+        expected_name = f"run_{result.file.attrs['seed']:03d}.h5"
         if parts[-1] != expected_name:
             yield f"holds the job {expected_name}"
     elif result.format == FREQUENCIES and "subgoal_frequencies" in folders:
@@ -167,67 +186,3 @@ def _misplaced(path: Path, result: ResultFile) -> Iterator[str]:
             yield f"holds the frequencies {'/'.join(expected)}"
     elif parts[-1] == "steps.h5" or any(folder in folders for folder in FOLDERS):
         yield f"is of the kind {result.format}, which does not belong in this folder"
-
-
-def _impossible(result: ResultFile) -> Iterator[str]:
-    if isinstance(result, LearningFile):
-        yield from _impossible_learning(result)
-    elif result.format == GROWTH:
-        growth = np.diff(result.file["library_size"][()])
-        if result.file["library_size"][0] != 0 or ((growth != 0) & (growth != 1)).any():
-            yield "its library does not grow from 0 by at most one skill a task"
-        if len(result.library or []) != result.file["library_size"][-1]:
-            yield "its library is not of the size that it says"
-    else:
-        counts, unresolved = result.file["counts"][()], int(result.file["unresolved"][()])
-        if (counts < 0).any() or counts.sum() + unresolved != int(result.file["pairs"][()]):
-            yield "its counts do not add up to the number of pairs"
-
-
-def _impossible_learning(result: LearningFile) -> Iterator[str]:
-    world = result.world
-    options = 1
-    for index, (name, task) in enumerate(result.tasks.items()):
-        shortest = world.shortest_path_length(task.start, task.goal)
-        steps, truncated, q = task.steps, task.truncated, task.q
-        if (steps[~truncated] < shortest).any():
-            yield f"task {name}: an episode is shorter than the shortest path of {shortest} steps"
-        if not (np.isfinite(q).all() and (q >= 0).all() and (q <= 1).all()):
-            yield f"task {name}: a value of Q is outside [0, 1]"
-        if q[task.goal].any() and result.method != "full_transfer":
-            yield f"task {name}: Q is not zero at the goal, where no action is taken"
-        yield from _impossible_selection(name, task, len(steps), options)
-        if task.subgoal >= 0 and not (task.seen[task.subgoal] or task.subgoal == task.goal):
-            yield f"task {name}: the new subgoal was never visited"
-        options += result.library is None or task.subgoal >= 0
-        if result.library is not None:
-            learned = [skill.subgoal for skill in result.library if skill.learned_after == index]
-            if learned != [task.subgoal] * (task.subgoal >= 0):
-                yield f"task {name}: the library does not hold the subgoal found"
-    for skill in result.library or []:
-        yield from _impossible_skill(skill, world.successors)
-
-
-def _impossible_selection(name: str, task: TaskView, episodes: int, options: int) -> Iterator[str]:
-    selected, offsets = task.selected, task.selected_offsets
-    if len(offsets) != episodes + 1 or offsets[0] != 0 or (np.diff(offsets) < 0).any() or offsets[-1] != len(selected):
-        yield f"task {name}: the skills drawn do not fit the episodes"
-    elif len(selected) and (selected.min() < 0 or selected.max() >= options):
-        yield f"task {name}: a skill was drawn that did not exist yet"
-
-
-def _impossible_skill(skill: Skill, successors: np.ndarray) -> Iterator[str]:
-    """Check that the policy leads to the subgoal from every state where it is defined."""
-    n = len(successors)
-    state = np.flatnonzero(skill.policy >= 0)
-    if not ((skill.policy >= -1) & (skill.policy <= 3)).all():
-        yield f"skill of state {skill.subgoal}: holds an action that does not exist"
-        return
-    for _ in range(n):
-        state = state[state != skill.subgoal]
-        if not state.size:
-            return
-        if (skill.policy[state] < 0).any():
-            break
-        state = np.unique(successors[state, skill.policy[state]])
-    yield f"skill of state {skill.subgoal}: its policy does not lead to the subgoal"

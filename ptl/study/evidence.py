@@ -16,10 +16,11 @@ import numpy as np
 import pandas as pd
 
 from ptl.files.arrays import read_arrays
+from ptl.files.schema import STEPS
 from ptl.study.exact import first_episode_without_transfer
 from ptl.study.growth import read_sizes
 from ptl.study.library_cost import read_selection, read_storage
-from ptl.study.measures import BASE, BY_NAME, PER_SEED, STEPS, SUBGOAL_COLUMNS, Names
+from ptl.study.measures import BASE, BY_NAME, PER_SEED, SUBGOAL_COLUMNS, Names
 from ptl.study.statistics import Resampling, read_per_seed
 from ptl.study.tables import read_table
 from ptl.world.gridworld import GridWorld

@@ -30,6 +30,7 @@ from ptl.errors import UserError
 from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.configuration import read_yaml
 from ptl.files.provenance import code_digest
+from ptl.files.schema import FIT
 from ptl.keys import ConfigurationError, Group, key
 from ptl.learning.growth import METHOD as GROWTH_METHOD
 from ptl.study.claims import CLAIMS
@@ -42,8 +43,6 @@ from ptl.study.robustness.verdicts import NOT_VARIED
 from ptl.study.statistics import Resampling
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.variants import changed_world
-
-FORMAT = "ptl-fit/1"
 
 STREAM = "fit"
 """First name of every random stream of the search; settings share their random numbers, stages do not."""
@@ -373,9 +372,14 @@ class Searcher:
         whole = {**unit, "root_seed": self.config.root_seed, "code": code_digest(*modules)}
         name = hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:32]
         path = self.folder / f"{name}.h5"
+        group = "growth" if unit["method"] == "growth" else "lives"
         if not path.is_file():
-            write_arrays(path, FORMAT, learn(), {"unit": whole, "setting": name})
-        return read_arrays(path, FORMAT)[0]
+            arrays = {f"{group}/{array}": values for array, values in learn().items()}
+            write_arrays(path, FIT, arrays, {"unit": whole, "setting": name})
+        arrays, origin = read_arrays(path, FIT)
+        if origin["unit"] != json.loads(json.dumps(whole)) or {array.partition("/")[0] for array in arrays} != {group}:
+            raise UserError(f"{path}: holds other lives than its name says; remove it and start the fit again")
+        return {array.partition("/")[2]: values for array, values in arrays.items()}
 
 
 def read_by(method: str, parameters: Parameters) -> dict[str, Any]:

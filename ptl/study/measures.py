@@ -20,6 +20,7 @@ import pandas as pd
 from ptl.errors import UserError
 from ptl.files.arrays import write_arrays
 from ptl.files.results import open_learning
+from ptl.files.schema import STEPS
 from ptl.study.discoveries import Found, found
 
 if TYPE_CHECKING:
@@ -28,9 +29,6 @@ if TYPE_CHECKING:
 
 BASE = "no_transfer"
 """Method that the others are compared with, on the same environment, task and seed."""
-
-STEPS = "ptl-steps/1"
-"""Format of the file of steps per episode."""
 
 Better = Literal["lower", "higher"]
 

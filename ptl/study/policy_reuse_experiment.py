@@ -31,10 +31,9 @@ from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.provenance import code_digest
+from ptl.files.schema import GAIN
 from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
-
-FORMAT = "ptl-gain/1"
 
 LETTERS: Mapping[int, str] = MappingProxyType({1: "A", 2: "B", 3: "C", 4: "D", 5: "E"})
 """FV's tasks 1 to 5 as goals of environment 3 (source: the map's public encodings)."""
@@ -225,7 +224,7 @@ def run_job(
         "map": world.text,
         "code": code_digest("ptl.study.policy_reuse_experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer"),
     }
-    write_arrays(output, FORMAT, arrays, origin)
+    write_arrays(output, GAIN, arrays, origin)
 
 
 @dataclass(frozen=True)
@@ -252,7 +251,7 @@ def read_gains(paths: Iterable[str | Path]) -> list[Gains]:
     """
     found: dict[str, Gains] = {}
     for path in paths:
-        arrays, origin = read_arrays(path, FORMAT)
+        arrays, origin = read_arrays(path, GAIN)
         name = str(origin["arm"])
         if name not in ARMS:
             raise UserError(f"{path}: library {name!r} is unknown; known are {', '.join(ARMS)}")

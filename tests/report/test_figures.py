@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
@@ -59,13 +58,13 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for seed in range(SEEDS):
         life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", seed)
         origin = {
-            "environment": "small", "method": "ptl", "seed": seed, "root_seed": 1, "code": "-",
+            "environment": "small", "method": "ptl", "seed": seed, "root_seed": 1, "code": "0" * 16,
             "parameters": PARAMETERS.to_dict(),
         }  # fmt: skip
         write_learning(folder / f"seed_{seed}.h5", life, world, origin)
     arrays = subgoal_frequencies(world, range(3), 5, Learning(), 1, "small")
     origin = {
-        "environment": "small", "trajectories": 5, "root_seed": 1, "code": "-",
+        "environment": "small", "trajectories": 5, "root_seed": 1, "code": "0" * 16,
         "parameters": PARAMETERS.to_dict(),
     }  # fmt: skip
     write_frequencies(folder / "frequencies.h5", arrays, world, origin)
@@ -74,7 +73,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         f"small/{method}/C": random.poisson(np.geomspace(400 / (index + 1), 9, 60), size=(SEEDS, 60)) + 9
         for index, method in enumerate(METHODS)
     }
-    write_arrays(folder / "steps.h5", "ptl-steps/1", steps, {})
+    write_arrays(folder / "steps.h5", "ptl-steps/1", steps, {"seeds": np.arange(len(next(iter(steps.values()))))})
     tasks = np.arange(13)
     pd.DataFrame(
         {
@@ -364,7 +363,7 @@ def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
     life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 9)
     with open_learning(inputs / "seed_0.h5") as file:
         origin = {name: file.file.attrs[name] for name in ("environment", "method", "seed", "root_seed", "code")}
-        origin["parameters"] = json.loads(file.file.attrs["parameters"])
+        origin["parameters"] = file.parameters
     write_learning(tmp_path / "other.h5", life, world, origin)
     for kind, name in (("discovery", "learning"), ("misleading_prior", "misleading_prior")):
         files = {name: [str(inputs / "seed_0.h5"), str(tmp_path / "other.h5")]}

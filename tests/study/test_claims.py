@@ -468,7 +468,8 @@ def files(tmp_path, as_in_the_article):
     for name, frame in frames.items():
         frame.to_csv(paths[name], index=False)
     paths["steps"] = tmp_path / "steps.h5"
-    write_arrays(paths["steps"], STEPS, {"/".join(names): steps for names, steps in evidence.steps.items()}, {})
+    steps = {"/".join(names): array for names, array in evidence.steps.items()}
+    write_arrays(paths["steps"], STEPS, steps, {"seeds": np.arange(evidence.n_seeds())})
     return paths
 
 
@@ -496,7 +497,7 @@ def test_editing_the_data_flips_the_verdict(files, as_in_the_article):
     [
         (lambda files: files["subgoals"].write_text("environment\n1\n"), "no column 'method'"),
         (lambda files: files["growth"].unlink(), "cannot be read as CSV"),
-        (lambda files: files["steps"].write_text("no"), "damaged or not an HDF5 file"),
+        (lambda files: files["steps"].write_text("no"), "is not a result file"),
         (lambda files: files["per_seed"].write_text("environment,seed\nenv1,1\n"), "no column"),
     ],
 )

@@ -300,7 +300,7 @@ def test_learning_files_give_the_measures_of_their_lives(tmp_path):
     for method in ("no_transfer", "ptl"):
         for seed in (0, 1):
             life = learn_life(world, tasks_of(world, "CA"), method, parameters, 7, "tiny", seed)
-            origin = {"environment": "tiny", "method": method, "seed": seed, "root_seed": 7, "code": "-"}
+            origin = {"environment": "tiny", "method": method, "seed": seed, "root_seed": 7, "code": "0" * 16}
             paths.append(tmp_path / f"{method}_{seed}.h5")
             write_learning(paths[-1], life, world, origin | {"parameters": parameters.to_dict()})
             lives[method, seed] = life

@@ -231,9 +231,10 @@ def test_a_raw_file_gives_the_measures_of_the_main_runs_own_code(small: dict, tm
                 life = learn_life(
                     world, tasks_of(world, "AB"), method, parameters, 11, "robustness", "reference_1", name, seed
                 )
-                origin = {"environment": name, "method": method, "seed": seed, "root_seed": 11, "parameters": {}}
+                origin = {"environment": name, "method": method, "seed": seed, "root_seed": 11}
+                origin["parameters"] = small["parameters"]
                 paths.append(tmp_path / f"{name}_{method}_{seed}.h5")
-                write_learning(paths[-1], life, world, origin | {"code": ""})
+                write_learning(paths[-1], life, world, origin | {"code": "0" * 16})
     expected = measures.measure_files(paths, 10, 1.5)
     pd.testing.assert_frame_equal(setting.evidence.per_seed, expected.per_seed)
     pd.testing.assert_frame_equal(setting.evidence.subgoals, expected.subgoals)

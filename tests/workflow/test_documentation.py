@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import click
-import h5py
 import pandas as pd
 import pytest
 import yaml
@@ -175,25 +174,6 @@ def test_columns_of_the_verdicts_are_those_of_the_page() -> None:
     page = "docs/file-format.md"
     assert set(ledger.COLUMNS) == first_column(section(page, "claims.csv"))
     assert set(ledger.PART_COLUMNS) == first_column(section(page, "claims_parts.csv"))
-
-
-def test_hdf5_names_are_those_of_the_page(small_run: Path) -> None:
-    page = "docs/file-format.md"
-    results = small_run / "results/published"
-    origin = first_column(section(page, "Origin"))
-    found = set()
-    names = {"learning/env2/ptl/seed_000.h5": "Learning files", "growth/run_000.h5": "Growth files",
-             "subgoal_frequencies/env2.h5": "Frequency files"}  # fmt: skip
-    for path, heading in names.items():
-        listed = first_column(section(page, heading))
-        with h5py.File(results / path) as file:
-            found |= set(file.attrs)
-            if "tasks" in file:
-                library, task = set(file["library"]), file["tasks/A"]
-                assert listed == library | set(task) | set(task.attrs)
-            else:
-                assert listed == set(file) - {"library"}
-    assert found == origin
 
 
 # -- README and tutorials

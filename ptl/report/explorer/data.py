@@ -97,12 +97,12 @@ def _add(file: LearningFile, environments: dict[str, dict[str, Any]], titles: Ma
     for key in ("map", "parameters", "tasks"):
         if entry[key] != fresh[key]:
             raise UserError(
-                f"{file.file.filename}: its {key} differ from those of earlier files of {file.environment};"
+                f"{file.path}: its {key} differ from those of earlier files of {file.environment};"
                 " give the files of one run"
             )
     name = f"{file.method}/{file.seed}"
     if name in entry["runs"]:
-        raise UserError(f"{file.file.filename}: {file.environment}/{name} is given twice; name each run once")
+        raise UserError(f"{file.path}: {file.environment}/{name} is given twice; name each run once")
     if file.method not in entry["methods"]:
         entry["methods"].append(file.method)
     entry["seeds"] = sorted({*entry["seeds"], file.seed})

@@ -166,6 +166,6 @@ def _check_equal(file: LearningFile, stored: TaskView, again: TaskRecord) -> Non
     for name, kept, learned in pairs:
         if not np.array_equal(kept, learned):
             raise UserError(
-                f"{file.file.filename}: task {stored.name} learned again gives other {name} than the file holds;"
+                f"{file.path}: task {stored.name} learned again gives other {name} than the file holds;"
                 " make the file again"
             )

@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
-import h5py
 import numpy as np
 
 from ptl.errors import UserError
-from ptl.files.hdf5 import open_file
+from ptl.files.hdf5 import Node, read_file
+from ptl.files.schema import STEPS
 
 
 class StepsFile:
     """Steps per episode of every environment, method and task: ``/<environment>/<method>/<task>``."""
 
-    def __init__(self, path: Path, file: h5py.File) -> None:
+    def __init__(self, path: Path, file: Node) -> None:
         self.path = path
         self._file = file
 
@@ -27,22 +28,20 @@ class StepsFile:
 
     def has(self, environment: str, method: str) -> bool:
         """Return whether a method was run in an environment."""
-        return f"{environment}/{method}" in self._file
+        return method in self._file.get(environment, {})
 
     def steps(self, environment: str, method: str, task: str) -> np.ndarray:
         """Return the steps per episode, int64 array (seeds, episodes)."""
-        place = self._file
+        place: Any = self._file
         for kind, name in (("environment", environment), ("method", method), ("task", task)):
             if name not in place:
                 known = ", ".join(place)
                 raise UserError(f"{self.path}: no {kind} {name!r} (there are: {known}); learn it or name another")
             place = place[name]
-        return np.asarray(place)
+        return place
 
 
 @contextmanager
 def open_steps(path: str | Path) -> Iterator[StepsFile]:
     """Open a file of steps for reading."""
-    path = Path(path)
-    with open_file(path, "ptl-steps/1") as file:
-        yield StepsFile(path, file)
+    yield StepsFile(Path(path), read_file(path, STEPS))

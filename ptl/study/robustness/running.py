@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import traceback
 from collections.abc import Mapping
@@ -13,13 +12,19 @@ from typing import Any
 import numpy as np
 
 from ptl.config import Parameters
+from ptl.errors import UserError, printable
 from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.provenance import code_digest
+from ptl.files.remedies import make_again
+from ptl.files.schema import LONGEST_TEXT, SETTING
+from ptl.study.discoveries import Found
 from ptl.study.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.variants import changed_world
 
-FORMAT = "ptl-robustness/1"
+STATES = ("subgoal", "incremental_peak", "original_peak")
+PER_TASK = ("steps", "truncated", *Found._fields)
+"""Arrays of a setting that hold states, and those with a column for each task."""
 
 STREAM = "robustness"
 """First name of every random stream of the study, followed by the setting's."""
@@ -71,10 +76,10 @@ def run_setting(job: Mapping[str, Any], output: str | Path) -> None:
         "root_seed": job["root_seed"],
         "job": dict(job),
         "maps": {name: world.text for name, world in raw.worlds.items()},
-        "status": "; ".join(raw.remarks) or COMPLETE,
+        "status": printable("; ".join(raw.remarks))[:LONGEST_TEXT] or COMPLETE,
         "code": code_digest("ptl.study.robustness.running", *[f"ptl.methods.{method}" for method in job["methods"]]),
     }
-    write_arrays(output, FORMAT, raw.arrays, origin)
+    write_arrays(output, SETTING, raw.arrays, origin)
 
 
 def _learn(
@@ -109,6 +114,32 @@ def _grow(raw: _Raw, job: Mapping[str, Any], parameters: Parameters) -> None:
 
 
 def read_setting(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Read the arrays by name and the attributes of a raw file (``job`` and ``maps`` decoded)."""
-    arrays, origin = read_arrays(path, FORMAT)
-    return arrays, {**origin, "job": json.loads(origin["job"]), "maps": json.loads(origin["maps"])}
+    """Read the arrays by name and the attributes of a raw file, if they fit each other.
+
+    Raises
+    ------
+    UserError
+        If the file cannot be read, or does not hold what its job says.
+    """
+    arrays, origin = read_arrays(path, SETTING)
+    if fault := _impossible(arrays, origin):
+        raise UserError(f"{path}: {fault}; {make_again(path)}")
+    return arrays, origin
+
+
+def _impossible(arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> str:
+    job = origin["job"]
+    states = {name: GridWorld.from_text(text, f"map {name}").n_states for name, text in origin["maps"].items()}
+    for name, array in arrays.items():
+        environment, *rest = name.split("/")
+        if environment == "growth":
+            continue
+        entry = job["environments"].get(environment)
+        tasks = entry.get("tasks") if isinstance(entry, dict) else None
+        if not isinstance(tasks, str) or environment not in states or rest[0] not in job["methods"]:
+            return f"holds {name}, which its job does not name"
+        if rest[1] in PER_TASK and array.shape[1] != len(tasks):
+            return f"{name} does not have the tasks {tasks}"
+        if rest[1] in STATES and array.size and array.max() >= states[environment]:
+            return f"{name} holds a state that is not there"
+    return ""
