@@ -20,6 +20,7 @@ def prior(
     diagonal: float,
     form: str = "exponential",
     width: float = 0.1,
+    allowed: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the prior probability P(s_i|g) of each subgoal for a goal (our choice of form).
 
@@ -34,24 +35,47 @@ def prior(
         Diagonal of the map in cells (L); distances are measured in ``width * diagonal``.
     form : {"exponential", "gaussian", "uniform"}
         exp(-x), exp(-x**2 / 2) or constant in x, the Euclidean distance over ``width * diagonal``.
+    allowed : bool array, shape (k,), optional
+        Candidates that may be drawn, at least one; the others have probability 0. All if not given.
 
     Returns
     -------
     float array, shape (k,)
-        Sums to 1.
+        Finite, and sums to 1, however narrow the prior is.
     """
     states = np.fromiter(subgoals, dtype=np.int64)
     offset = cells[states] - cells[goal]
-    distance = np.sqrt((offset * offset).sum(axis=1)) / (width * diagonal)
-    if form == "exponential":
-        exponent = -distance
-    elif form == "gaussian":
-        exponent = -(distance**2) / 2
-    elif form == "uniform":
-        exponent = np.zeros(len(distance))
-    else:
-        raise ValueError(f"unknown form of the prior: {form}")
-    weights = np.exp(exponent - exponent.max())
+    distance = np.sqrt((offset * offset).sum(axis=1))
+    return prior_of_distances(distance, width * diagonal, form, allowed)
+
+
+def prior_of_distances(
+    distance: np.ndarray, unit: float, form: str = "exponential", allowed: np.ndarray | None = None
+) -> np.ndarray:
+    """Return the prior of candidates at these distances, float (k,), in the forms of `prior`.
+
+    Parameters
+    ----------
+    distance : array, shape (k,)
+        What is not allowed may have any.
+    unit : float
+        Distance at which the exponential form has fallen to 1/e.
+    form, allowed
+        As in `prior`.
+    """
+    possible = np.ones(len(distance), dtype=bool) if allowed is None else allowed
+    # logarithms relative to the nearest candidate: its own is 0, whatever overflows for the others
+    beyond = distance - distance[possible].min()
+    with np.errstate(over="ignore"):
+        if form == "exponential":
+            logarithms = -(beyond / unit)
+        elif form == "gaussian":
+            logarithms = -(beyond / unit) * ((2 * distance - beyond) / 2) / unit
+        elif form == "uniform":
+            logarithms = np.zeros(len(distance))
+        else:
+            raise ValueError(f"unknown form of the prior: {form}")
+    weights = np.exp(np.where(possible, logarithms, -np.inf))
     return weights / weights.sum()
 
 
@@ -73,6 +97,11 @@ class SkillSelection:
         kappa in P(C|s_i, g) proportional to v_i**kappa.
     weight : float
         beta, weight of the newest episode in the moving average v_i of 1 / length.
+
+    Raises
+    ------
+    ValueError
+        If the prior is no probability distribution.
     """
 
     def __init__(self, prior: np.ndarray, exponent: float = 2.0, weight: float = 0.5) -> None:
@@ -80,6 +109,19 @@ class SkillSelection:
         self._exponent = exponent
         self._weight = weight
         self._performance = np.full(len(prior), np.nan)
+
+    @property
+    def prior(self) -> np.ndarray:
+        """P(s_i|g), float (k,); another one may be set while the task is learned."""
+        return self._prior
+
+    @prior.setter
+    def prior(self, prior: np.ndarray) -> None:
+        if not (len(prior) and (prior >= 0).all() and abs(prior.sum() - 1) < 1e-6):  # false for NaN
+            raise ValueError(f"the prior must hold probabilities that sum to 1, not {prior}")
+        self._prior = prior
+        with np.errstate(divide="ignore"):
+            self._log_prior = np.log(prior)
 
     @property
     def performance(self) -> np.ndarray:
@@ -91,8 +133,9 @@ class SkillSelection:
 
     def probabilities(self) -> np.ndarray:
         """Return the probability of drawing each skill, float (k,)."""
-        performance = self.performance
-        weights = self.prior * (performance / performance.max()) ** self._exponent
+        # in logarithms, because a large exponent takes the product of prior and likelihood out of range
+        logarithms = self._log_prior + self._exponent * np.log(self.performance)
+        weights = np.exp(logarithms - logarithms.max())
         return weights / weights.sum()
 
     def draw(self, random: np.random.Generator) -> int:

@@ -16,6 +16,13 @@ NULL_SKILL = 0
 """Candidate without guidance, whose subgoal is the start state (our choice); library skill i is candidate i + 1."""
 
 
+def allowed_candidates(number: int, null_skill: bool) -> np.ndarray:
+    """Return which of so many candidates may be drawn, bool (number,): all, or all but the null skill."""
+    allowed = np.ones(number, dtype=bool)
+    allowed[NULL_SKILL] = null_skill
+    return allowed
+
+
 class Method(BaseMethod):
     """Follows a drawn skill to its subgoal, then explores; draws again when patience runs out.
 
@@ -38,7 +45,7 @@ class Method(BaseMethod):
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         skills = self.parameters.skills
         self.candidates = [start, *self.library.subgoals]
-        self.selection = SkillSelection(self.chances(goal), skills.likelihood_exponent, skills.likelihood_weight)
+        self.selection = SkillSelection(self.prior(goal), skills.likelihood_exponent, skills.likelihood_weight)
         return None
 
     def run_episode(self, learner: Learner) -> list[int]:
@@ -58,19 +65,17 @@ class Method(BaseMethod):
         self.selection.record(used, learner.steps)
         return used
 
-    def chances(self, goal: int) -> np.ndarray:
-        """Return the prior, without the null skill if the configuration says so and there is a library."""
-        chances = self.prior(goal)
-        if not self.parameters.skills.null_skill and len(self.library):
-            chances[NULL_SKILL] = 0.0
-            chances /= chances.sum()
-        return chances
+    def allowed(self, number: int) -> np.ndarray:
+        """Return which of so many candidates may be drawn, as `allowed_candidates`."""
+        return allowed_candidates(number, self.parameters.skills.null_skill or not len(self.library))
 
     def prior(self, goal: int) -> np.ndarray:
-        """Return P(s_i|g) of the null skill and the library's skills, float (1 + library size,)."""
-        skills = self.parameters.skills
-        world = self.world
-        return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width)
+        """Return P(s_i|g) of the null skill and the library's skills, float (1 + library size,), 0 if not allowed."""
+        skills, world = self.parameters.skills, self.world
+        allowed = self.allowed(len(self.candidates))
+        return prior(
+            world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed
+        )
 
     def guide(self, learner: Learner, skill: int) -> None:
         """Follow a candidate other than the null skill."""

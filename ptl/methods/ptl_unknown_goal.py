@@ -14,4 +14,5 @@ class Method(PartialTransfer):
     colour = "#cc79a7"
 
     def prior(self, goal: int) -> np.ndarray:
-        return np.full(len(self.candidates), 1 / len(self.candidates))
+        allowed = self.allowed(len(self.candidates))
+        return allowed / allowed.sum()

@@ -27,6 +27,37 @@ def test_prior_survives_a_far_goal():
     np.testing.assert_array_equal(far, [1.0])
 
 
+@pytest.mark.parametrize("form", ["exponential", "gaussian", "uniform"])
+@pytest.mark.parametrize("width", [5e-324, 1e-320, 1e-160, 0.005, 0.1, 1000.0])
+@pytest.mark.parametrize("goal", [0, 1])
+@pytest.mark.parametrize("null_skill", [True, False])
+def test_selection_is_finite_at_every_setting(form, width, goal, null_skill):
+    allowed = np.array([null_skill, True, True])
+    selection = SkillSelection(prior(CELLS, [0, 1, 2], goal, 10.0, form, width, allowed), exponent=100.0)
+    selection.record([2], 10**12)
+    selection.record([1], 1)
+    chances = selection.probabilities()
+    assert np.isfinite(chances).all() and chances.sum() == pytest.approx(1)
+    assert null_skill or chances[0] == 0
+
+
+def test_an_excluded_candidate_does_not_count_as_the_nearest():
+    # relative to the excluded one, on the goal itself, the others' weights would all vanish
+    chances = prior(CELLS, [0, 1, 2], 0, 10.0, "gaussian", 0.005, np.array([False, True, True]))
+    np.testing.assert_array_equal(chances, [0, 0, 1])
+
+
+def test_of_equally_near_candidates_each_has_its_share_under_the_narrowest_prior():
+    cells = np.array([(0, 0), (0, 4), (4, 0), (9, 9)])
+    np.testing.assert_array_equal(prior(cells, [1, 2, 3], 0, 10.0, "gaussian", 5e-324), [0.5, 0.5, 0])
+
+
+def test_a_prior_that_is_no_distribution_is_refused():
+    for wrong in ([], [0.5, np.nan], [0.7, 0.7], [1.5, -0.5]):
+        with pytest.raises(ValueError, match="prior"):
+            SkillSelection(np.array(wrong))
+
+
 def test_prior_refuses_an_unknown_form():
     with pytest.raises(ValueError, match="form"):
         prior(CELLS, [0], 0, 10.0, "cauchy")

@@ -175,3 +175,13 @@ def test_supervisor_measures_by_paths_not_as_the_crow_flies():
 def test_labels_and_colours_are_told_apart():
     kinds = [methods.load(name) for name in methods.names()]
     assert len({kind.label for kind in kinds}) == len({kind.colour for kind in kinds}) == len(kinds)
+
+
+@pytest.mark.parametrize("name", ["ptl", "ptl_unknown_goal"])
+def test_a_narrow_prior_never_draws_the_excluded_null_skill(name):
+    settings = {"skills__null_skill": False, "skills__prior_form": "gaussian", "skills__prior_width": 0.005}
+    method = with_skills(name, [6, 2], **settings)
+    method.begin_task(0, 0)  # the start, the null skill's subgoal, is nearest to this goal
+    chances = method.selection.probabilities()
+    assert chances[0] == 0 and chances.sum() == pytest.approx(1)
+    assert 0 not in method.run_episode(NotingLearner(explorations=5))

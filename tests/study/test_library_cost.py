@@ -71,7 +71,7 @@ def test_numbers_of_the_figure():
     frame = cost_frame(selection_cost, library_bytes([20, 50], [1, 3]))
     part = frame[frame["kind"] == "selection"]
     assert part["operations"].tolist() == selection_cost["operations"].tolist()
-    assert part["operations_per_skill"].unique() == pytest.approx([28], rel=0.01)
+    assert part["operations_per_skill"].unique() == pytest.approx([36], rel=0.01)
     assert frame.loc[frame["kind"] == "storage", "bytes"].tolist() == [24, 72, 54, 162]
     with pytest.raises(UserError, match="two library sizes"):
         cost_frame(selection_cost[:1], library_bytes([20]))

@@ -7,8 +7,9 @@ from typing import ClassVar
 import numpy as np
 
 from ptl.agent._kernel import Learner
-from ptl.agent.selection import prior
+from ptl.agent.selection import prior, prior_of_distances
 from ptl.config import Parameters
+from ptl.methods.ptl import NULL_SKILL
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
@@ -57,7 +58,7 @@ class Method(PartialTransfer):
         seen = self.seen_before | self._learner.seen
         if not np.array_equal(seen, self._seen):
             self._look(seen)
-            self.selection.prior = self.chances(self.goal)
+            self.selection.prior = self.prior(self.goal)
         return super().draw_skill()
 
     def guide(self, learner: Learner, skill: int) -> None:
@@ -73,13 +74,14 @@ class Method(PartialTransfer):
 
     def prior(self, goal: int) -> np.ndarray:
         places = [self.start, *self.library.subgoals, *([self.frontier] if self.offers_frontier else [])]
-        skills, world = self.parameters.skills, self.world
+        skills, world, allowed = self.parameters.skills, self.world, self.allowed(len(places))
         if not self.path_prior:
-            return prior(world.cells, places, goal, world.diagonal, skills.prior_form, skills.prior_width)
+            return prior(world.cells, places, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
         steps = self.graph.steps_to(self.frontier)[places]
-        # f is reached from the start over seen transitions, so the null skill always has a weight
-        weights = np.where(steps < 0, 0.0, np.exp((steps[0] - steps) / (skills.prior_width * world.diagonal)))
-        return weights / weights.sum()
+        allowed &= steps >= 0
+        # f is reached from the start over seen transitions, so the null skill is there if nothing else is
+        allowed[NULL_SKILL] |= not allowed.any()
+        return prior_of_distances(steps, skills.prior_width * world.diagonal, allowed=allowed)
 
     def _look(self, seen: np.ndarray) -> None:
         """Find the frontier state anew from the actions seen in each state, uint8 (n_states,)."""

@@ -15,6 +15,7 @@ from ptl.agent.selection import SkillSelection, prior
 from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.results import open_learning
+from ptl.methods.ptl import allowed_candidates
 from ptl.report.figures import cells, style
 from ptl.report.figures.bands import mean_band
 from ptl.text import number
@@ -116,10 +117,11 @@ def _candidates(file: LearningFile, task: str) -> Iterator[tuple[str, int]]:
 def _probabilities(file: LearningFile, task: str, subgoals: list[int]) -> np.ndarray:
     """Return the probability of each candidate at the beginning of each episode, float array (candidates, episodes)."""
     view, skills = file.tasks[task], Parameters.from_dict(file.parameters).skills
-    chances = prior(file.world.cells, subgoals, view.goal, file.world.diagonal, skills.prior_form, skills.prior_width)
-    if not skills.null_skill and len(subgoals) > 1:
-        chances[0] = 0.0
-        chances /= chances.sum()
+    allowed = allowed_candidates(len(subgoals), skills.null_skill or len(subgoals) == 1)
+    world = file.world
+    chances = prior(
+        world.cells, subgoals, view.goal, world.diagonal, skills.prior_form, skills.prior_width, allowed
+    )
     selection = SkillSelection(chances, skills.likelihood_exponent, skills.likelihood_weight)
     history = []
     for episode, length in enumerate(view.steps):
