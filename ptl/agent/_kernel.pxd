@@ -18,6 +18,9 @@ cdef class Dynamics:
 cdef class Learner:
     cdef readonly Dynamics dynamics
     cdef object _keep, _generator
+    cdef unsigned long thread
+    cdef bint busy
+    cdef int64_t until_check  # steps until signals are looked at again
     cdef bitgen_t* generator
     cdef uint64_t[256] words
     cdef int next_word
@@ -45,6 +48,8 @@ cdef class Learner:
     cdef uint8_t* actions
     cdef int64_t record_limit
 
+    cdef int admit(self) except -1
+    cdef int look_at_signals(self) except -1 nogil
     cdef uint64_t chance(self, epsilon) except *
     cdef void fill_values(self, const double[:, ::1] q) noexcept
     cdef void draw_words(self) noexcept nogil
@@ -53,10 +58,10 @@ cdef class Learner:
     cdef void refresh(self, uint32_t state) noexcept nogil
     cdef void forget(self, uint32_t goal) noexcept nogil
     cdef void enter(self, uint32_t start) noexcept nogil
-    cdef void run_greedily(self, int64_t budget, uint64_t epsilon) noexcept nogil
-    cdef void run_greedily_recorded(self, int64_t budget, uint64_t epsilon) noexcept nogil
-    cdef void run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
-                         const uint8_t* masks) noexcept nogil
-    cdef void run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) noexcept nogil
-    cdef void run_reuse(self, const signed char* policy, double psi, double decay) noexcept nogil
+    cdef int run_greedily(self, int64_t budget, uint64_t epsilon) except -1 nogil
+    cdef int run_greedily_recorded(self, int64_t budget, uint64_t epsilon) except -1 nogil
+    cdef int run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
+                        const uint8_t* masks) except -1 nogil
+    cdef int run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) except -1 nogil
+    cdef int run_reuse(self, const signed char* policy, double psi, double decay) except -1 nogil
     cdef int erase_loops(self, uint32_t* path) noexcept nogil

@@ -31,9 +31,12 @@ is that of single steps, and the tests' plain reference, which takes these steps
 for bit. Both last exits are noted as ever, and the two actions taken as one pair.
 
 Floating point is plain IEEE double without contraction: the same bits on every machine.
+
+What Python hands over is copied and checked before use, because the loops do not check again.
 """
 
 cimport cython
+from cpython.exc cimport PyErr_CheckSignals
 from cpython.number cimport PyNumber_Index
 from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport fabs
@@ -42,6 +45,9 @@ from libc.string cimport memset
 from numpy.random cimport bitgen_t
 
 import numpy as np
+
+cdef extern from "pythread.h":
+    unsigned long PyThread_get_thread_ident() nogil
 
 cdef extern from *:
     """
@@ -61,6 +67,7 @@ cdef enum:
     WORDS = 256      # random words drawn at a time
 
 cdef int64_t NO_LIMIT = <int64_t>1 << 62
+cdef int64_t CHECK_EVERY = <int64_t>1 << 24  # steps between looks at signals such as Ctrl-C, a fraction of a second
 cdef double TWO_32 = 4294967296.0
 cdef double LARGEST = 1e300  # bound of |Q| and of bonuses: no sum or difference of two of them overflows
 
@@ -89,12 +96,11 @@ cdef class Dynamics:
     """
 
     def __cinit__(self, successors):
-        given = np.asarray(successors)
+        given = np.array(successors)
         if given.ndim != 2 or given.shape[1] != 4 or not len(given):
             raise ValueError("successors must have the shape (n_states, 4)")
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= len(given):
             raise ValueError("a successor is not a state")
-        # a copy: the kernel does not check its tables again
         table = np.array(given, dtype=np.uint32, order="C")
         self.n_states = len(table)
         # Entry g of a state's row: the state after action g & 3 and then action g >> 2, as an offset into the moves.
@@ -218,6 +224,7 @@ cdef inline void move(Learner learner, uint32_t action) noexcept nogil:
     learner.taken_actions[4 * state + action] = 1
     learner.here = learner.dynamics.successors[4 * state + action]
     learner.taken += 1
+    learner.until_check -= 1
 
 
 @cython.final
@@ -248,6 +255,8 @@ cdef class Learner:
     ValueError
         If an argument of this or of any other call is out of its range; a state, an action and a number of steps must
         be whole numbers, values finite and at most 1e300 in size.
+    RuntimeError
+        If another thread than the one that made the learner uses it, or a signal handler that has interrupted it.
     """
 
     def __cinit__(self, Dynamics dynamics not None, goal, bit_generator, *, alpha=0.05, gamma=0.95, epsilon=0.1,
@@ -265,9 +274,17 @@ cdef class Learner:
         self.max_steps = max_steps
         self.shortcut = shortcut
         self.notes_pairs = True
-        self._generator = bit_generator
-        self.generator = <bitgen_t*>PyCapsule_GetPointer(bit_generator.capsule, "BitGenerator")
+        if not isinstance(bit_generator, np.random.BitGenerator):
+            raise ValueError(f"bit_generator must be a numpy.random.BitGenerator, not {bit_generator!r}")
+        # the capsule of the class itself: that of a subclass in Python may belong to an object that is gone
+        capsule = np.random.BitGenerator.capsule.__get__(bit_generator)
+        self._generator = (bit_generator, capsule)
+        self.generator = <bitgen_t*>PyCapsule_GetPointer(capsule, "BitGenerator")
+        if self.generator.next_uint64 == NULL:
+            raise ValueError(f"bit_generator draws no 64-bit words: {bit_generator!r}")
         self.next_word = WORDS
+        self.until_check = CHECK_EVERY
+        self.thread = PyThread_get_thread_ident()
 
         values = np.zeros((n, 4))
         best, target, greedy = np.zeros(n), np.zeros(n), np.full(n, ALL_ACTIONS, dtype=np.uint8)
@@ -296,6 +313,7 @@ cdef class Learner:
 
     def begin_episode(self, start):
         """Put the agent on a state and its step count to zero."""
+        self.admit()
         self.enter(checked_index("start", start, self.dynamics.n_states))
 
     def explore(self, budget=None, epsilon=None, *, bonus=None, mask=None):
@@ -311,6 +329,7 @@ cdef class Learner:
         mask : bool array, shape (n_states, 4), optional
             Allowed actions, at least one in each state; greedy and random actions are drawn among them.
         """
+        self.admit()
         cdef int64_t limit = checked_budget(budget)
         cdef uint64_t chance = self.chance(epsilon)
         cdef const double[:, ::1] added
@@ -333,6 +352,7 @@ cdef class Learner:
         bonus : float array, shape (4,), optional
         mask : bool array, shape (4,), optional
         """
+        self.admit()
         cdef uint64_t chance = self.chance(epsilon)
         cdef const double[::1] added
         cdef const uint8_t[::1] allowed
@@ -360,6 +380,7 @@ cdef class Learner:
         ValueError
             At the goal or at the episode's step limit, or if the action is no whole number from 0 to 3.
         """
+        self.admit()
         cdef uint32_t chosen = <uint32_t>checked_index("action", action, 4)
         if self.here == self.goal:
             raise ValueError("the episode has ended at the goal; begin another one before acting")
@@ -383,6 +404,7 @@ cdef class Learner:
         budget : int, optional
             Without it a policy that leads into a wall or in a circle uses up the episode.
         """
+        self.admit()
         cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
         cdef uint32_t last = checked_index("subgoal", subgoal, self.dynamics.n_states)
         self.run_policy(&actions[0], last, checked_budget(budget))
@@ -400,6 +422,7 @@ cdef class Learner:
         psi, decay : float
             psi_1, and the factor from psi_h to psi_{h+1}.
         """
+        self.admit()
         cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
         check_probability("psi", psi)
         if not 0 <= decay < 1:
@@ -414,28 +437,33 @@ cdef class Learner:
         ValueError
             If the limit is negative or the episode has begun.
         """
+        self.admit()
         limit = checked_index("limit", limit, NO_LIMIT)
+        recorded = np.empty(max(limit, 1), dtype=np.uint8)
         if self.taken:
             raise ValueError(f"recording must begin before the first step of an episode, not after {self.taken}")
-        self._recorded = np.empty(max(limit, 1), dtype=np.uint8)
-        self.actions = pointer8(self._recorded)
+        self.actions = pointer8(recorded)
         self.record_limit = limit
+        self._recorded = recorded
 
     # -- what a method with its own update calls ----------------------------------------------------------------
 
     def update(self, state, action, target):
         """Move an action value towards a target, Q(s,a) += alpha (target - Q(s,a))."""
+        self.admit()
         cdef uint32_t row = checked_index("state", state, self.dynamics.n_states)
         approach(self, self.values, checked_value(target), self.alpha, row, checked_index("action", action, 4))
 
     def set_value(self, state, action, value):
         """Set an action value."""
+        self.admit()
         cdef uint32_t row = checked_index("state", state, self.dynamics.n_states)
         self.values[4 * row + checked_index("action", action, 4)] = checked_value(value)
         self.refresh(row)
 
     def set_q(self, q):
         """Set all action values, float array (n_states, 4); they are copied."""
+        self.admit()
         self.fill_values(checked_values("q", q, (self.dynamics.n_states, 4)))
 
     # -- what can be asked --------------------------------------------------------------------------------------
@@ -498,6 +526,7 @@ cdef class Learner:
         On meeting a state again, everything since its first visit is dropped. What is left of a state is its last
         exit, so the path is found by following the last exits from the start.
         """
+        self.admit()
         path = np.empty(self.dynamics.n_states, dtype=np.uint32)
         length = self.erase_loops(pointer32(path))
         return path[: length + 1].astype(np.int32)
@@ -509,6 +538,23 @@ cdef class Learner:
         for i in range(WORDS):
             self.words[i] = self.generator.next_uint64(self.generator.state)
         self.next_word = 0
+
+    cdef int admit(self) except -1:
+        """Refuse a call from another thread, or from within a call that is still going on."""
+        if self.thread != PyThread_get_thread_ident():
+            raise RuntimeError("a learner belongs to the thread that made it; make one for each thread")
+        if self.busy:
+            raise RuntimeError("the learner is in the middle of another call; use it after that has returned")
+
+    cdef int look_at_signals(self) except -1 nogil:
+        """Let Python handle signals such as Ctrl-C, whose exception then ends the call."""
+        self.until_check = CHECK_EVERY
+        with gil:
+            self.busy = True
+            try:
+                PyErr_CheckSignals()
+            finally:
+                self.busy = False
 
     cdef uint64_t chance(self, epsilon) except *:
         """The threshold of a given probability of random actions, or of the learner's."""
@@ -595,10 +641,9 @@ cdef class Learner:
 
     # -- episodes -----------------------------------------------------------------------------------------------
 
-    cdef void run_greedily(self, int64_t budget, uint64_t epsilon) noexcept nogil:
+    cdef int run_greedily(self, int64_t budget, uint64_t epsilon) except -1 nogil:
         if self.record_limit:
-            self.run_greedily_recorded(budget, epsilon)
-            return
+            return self.run_greedily_recorded(budget, epsilon)
         # A state appears as its row, its offset SLOTS * state into the tables, so that a step is one load.
         cdef:
             uint32_t* moves = self.moves
@@ -613,62 +658,70 @@ cdef class Learner:
             double alpha = self.alpha
             uint32_t goal = self.goal, row = SLOTS * self.here, half = self.half
             bint has_half = self.has_half, notes_pairs = self.notes_pairs
-            int64_t limit = max(0, min(budget, self.max_steps - self.taken)), left = limit
+            int64_t left = max(0, min(budget, self.max_steps - self.taken)), before = left, pause
             uint32_t state, action, middle, move, slot
             uint64_t word, product
             int group, groups
 
-        while left > 0 and row != SLOTS * goal:
-            state = row // SLOTS
-            if left >= 2 and cold[state]:
-                if self.next_word == WORDS:
-                    self.draw_words()
-                word = self.words[self.next_word]
-                self.next_word += 1
-                groups = <int>min(16, left // 2)
-                for group in range(groups):
-                    slot = word & 15
-                    word >>= 4
-                    action = slot & 3
-                    middle = successors[row // 4 + action]
-                    last_exit[state] = action
-                    last_exit[middle] = slot >> 2
-                    if notes_pairs:
-                        taken_pairs[row + slot] = 1
-                    row = jumps[row + slot]
-                    state = row // SLOTS
-                    left -= 2
-                    if not cold[state]:
-                        break
-                continue
+        while True:
+            # Pairs of steps may overshoot the pause; what they draw depends on the steps left in all.
+            pause = max(0, left - self.until_check)
+            while left > pause and row != SLOTS * goal:
+                state = row // SLOTS
+                if left >= 2 and cold[state]:
+                    if self.next_word == WORDS:
+                        self.draw_words()
+                    word = self.words[self.next_word]
+                    self.next_word += 1
+                    groups = <int>min(16, left // 2)
+                    for group in range(groups):
+                        slot = word & 15
+                        word >>= 4
+                        action = slot & 3
+                        middle = successors[row // 4 + action]
+                        last_exit[state] = action
+                        last_exit[middle] = slot >> 2
+                        if notes_pairs:
+                            taken_pairs[row + slot] = 1
+                        row = jumps[row + slot]
+                        state = row // SLOTS
+                        left -= 2
+                        if not cold[state]:
+                            break
+                    continue
 
-            if has_half:
-                product = <uint64_t>half * GREEDY_SLOTS
-                has_half = False
-            else:
-                if self.next_word == WORDS:
-                    self.draw_words()
-                word = self.words[self.next_word]
-                self.next_word += 1
-                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
-                half = word >> 32
-                has_half = True
-            slot = product >> 32
-            if <uint32_t>product < epsilon:
-                slot = GREEDY_SLOTS + (slot & 3)
-            move = moves[row + slot]
-            action = move % SLOTS
-            last_exit[state] = action
-            taken_actions[row // 4 + action] = 1
-            update(self, values, target, alpha, state, action, move // SLOTS)
-            row = move - action
-            left -= 1
+                if has_half:
+                    product = <uint64_t>half * GREEDY_SLOTS
+                    has_half = False
+                else:
+                    if self.next_word == WORDS:
+                        self.draw_words()
+                    word = self.words[self.next_word]
+                    self.next_word += 1
+                    product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+                    half = word >> 32
+                    has_half = True
+                slot = product >> 32
+                if <uint32_t>product < epsilon:
+                    slot = GREEDY_SLOTS + (slot & 3)
+                move = moves[row + slot]
+                action = move % SLOTS
+                last_exit[state] = action
+                taken_actions[row // 4 + action] = 1
+                update(self, values, target, alpha, state, action, move // SLOTS)
+                row = move - action
+                left -= 1
 
-        self.here = row // SLOTS
-        self.half, self.has_half = half, has_half
-        self.taken += limit - left
+            self.here = row // SLOTS
+            self.half, self.has_half = half, has_half
+            self.taken += before - left
+            self.until_check -= before - left
+            before = left
+            if self.until_check > 0:
+                return 0
+            self.look_at_signals()
 
-    cdef void run_greedily_recorded(self, int64_t budget, uint64_t epsilon) noexcept nogil:
+    cdef int run_greedily_recorded(self, int64_t budget, uint64_t epsilon) except -1 nogil:
         """Act as `run_greedily` does, from the same random numbers, with every step taken by `step`."""
         cdef int64_t left = max(0, min(budget, self.max_steps - self.taken))
         cdef uint64_t word
@@ -690,19 +743,28 @@ cdef class Learner:
             else:
                 step(self, epsilon_greedy(self, epsilon))
                 left -= 1
+            if self.until_check <= 0:
+                self.look_at_signals()
+        return 0
 
-    cdef void run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
-                         const uint8_t* masks) noexcept nogil:
+    cdef int run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
+                        const uint8_t* masks) except -1 nogil:
         cdef int64_t end = self.taken + min(budget, self.max_steps - self.taken)
         while self.taken < end and self.here != self.goal:
             step(self, biased_greedy(self, epsilon, &bonus[4 * self.here], masks[self.here]))
+            if self.until_check <= 0:
+                self.look_at_signals()
+        return 0
 
-    cdef void run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) noexcept nogil:
+    cdef int run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) except -1 nogil:
         cdef int64_t end = self.taken + min(budget, self.max_steps - self.taken)
         while self.here != subgoal and self.here != self.goal and self.taken < end and policy[self.here] >= 0:
             step(self, policy[self.here])
+            if self.until_check <= 0:
+                self.look_at_signals()
+        return 0
 
-    cdef void run_reuse(self, const signed char* policy, double psi, double decay) noexcept nogil:
+    cdef int run_reuse(self, const signed char* policy, double psi, double decay) except -1 nogil:
         cdef uint64_t chance = threshold(psi)
         while chance > 0 and self.here != self.goal and self.taken < self.max_steps:
             if draw(self) < chance and policy[self.here] >= 0:
@@ -711,7 +773,9 @@ cdef class Learner:
                 step(self, epsilon_greedy(self, chance))
             psi *= decay
             chance = threshold(psi)
-        self.run_greedily(NO_LIMIT, 0)
+            if self.until_check <= 0:
+                self.look_at_signals()
+        return self.run_greedily(NO_LIMIT, 0)
 
     cdef int erase_loops(self, uint32_t* path) noexcept nogil:
         """Write the loop-erased path of this episode; return its length in steps."""
@@ -757,8 +821,8 @@ cdef double checked_value(value) except *:
 
 
 def checked_values(name, values, shape):
-    """Return values as a contiguous float64 array of a shape, or raise ValueError."""
-    values = np.ascontiguousarray(values, dtype=np.float64)
+    """Return a copy of values as a contiguous float64 array of a shape, or raise ValueError."""
+    values = np.array(values, dtype=np.float64, order="C")
     if values.shape != shape:
         raise ValueError(f"{name} must have the shape {shape}, not {values.shape}")
     if not (np.abs(values) <= LARGEST).all():
@@ -768,7 +832,7 @@ def checked_values(name, values, shape):
 
 def checked_mask(mask, shape):
     """Return the allowed actions of each state as bits, uint8 array (n_states,), or raise ValueError."""
-    mask = np.asarray(mask)
+    mask = np.array(mask)
     if mask.shape != shape or mask.dtype != bool:
         raise ValueError(f"mask must be a bool array of the shape {shape}, not {mask.dtype} {mask.shape}")
     mask = mask.reshape(-1, 4)
@@ -778,8 +842,8 @@ def checked_mask(mask, shape):
 
 
 def checked_policy(policy, n_states):
-    """Return a policy as an int8 array (n_states,), or raise ValueError."""
-    policy = np.asarray(policy)
+    """Return a copy of a policy as an int8 array (n_states,), or raise ValueError."""
+    policy = np.array(policy, order="C")
     if policy.shape != (n_states,) or policy.dtype.kind not in "iu" or policy.min() < -1 or policy.max() > 3:
         raise ValueError("a policy needs one action from -1 to 3 for each state")
-    return np.ascontiguousarray(policy, dtype=np.int8)
+    return policy.astype(np.int8)

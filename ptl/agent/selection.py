@@ -12,6 +12,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ptl.world.transitions import checked_states
+
 
 def prior(
     cells: np.ndarray,
@@ -43,8 +45,8 @@ def prior(
     float array, shape (k,)
         Finite, and sums to 1, however narrow the prior is.
     """
-    states = np.fromiter(subgoals, dtype=np.int64)
-    offset = cells[states] - cells[goal]
+    states = checked_states(np.fromiter(subgoals, dtype=np.int64), len(cells))
+    offset = cells[states] - cells[checked_states(goal, len(cells))]
     distance = np.sqrt((offset * offset).sum(axis=1))
     return prior_of_distances(distance, width * diagonal, form, allowed)
 

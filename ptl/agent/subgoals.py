@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ptl.world.transitions import TransitionGraph
+from ptl.world.transitions import TransitionGraph, checked_states
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,15 @@ def discover(
         r, steps around these states that count as known too.
     form : str
         Form of the distance, a name of `DISTANCE_FORMS`.
+
+    Raises
+    ------
+    ValueError
+        If a path is empty, or it or the known states hold something that is not a state of the graph.
     """
+    paths = [checked_states(path, graph.n_states) for path in paths]
+    if any(path.ndim != 1 or not path.size for path in paths):
+        raise ValueError("a path must be a sequence of one or more states")
     covered = covered_states(graph, known, cover_radius)
     rests = [cut_known(path, covered) for path in paths]
     return Discovery(

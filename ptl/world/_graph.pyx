@@ -32,9 +32,27 @@ def breadth_first(int32_t[::1] first, int32_t[::1] neighbours, int32_t[::1] sour
     -------
     int32 array, shape (n,)
         -1 where no path leads.
+
+    Raises
+    ------
+    ValueError
+        If the rows are not those of a graph or a source is not a vertex of it.
     """
+    if first is None or neighbours is None or sources is None or not first.shape[0]:
+        raise ValueError("first, neighbours and sources must be int32 arrays, first with one entry more than vertices")
     cdef Py_ssize_t n = first.shape[0] - 1, head = 0, tail = 0, i
     cdef int32_t vertex, other
+    if first[0] < 0 or first[n] > neighbours.shape[0]:
+        raise ValueError("first goes beyond the neighbours")
+    for i in range(n):
+        if first[i] > first[i + 1]:
+            raise ValueError("first must not fall")
+    for i in range(neighbours.shape[0]):
+        if not 0 <= neighbours[i] < n:
+            raise ValueError(f"a neighbour must be a vertex from 0 to {n - 1}, not {neighbours[i]}")
+    for i in range(sources.shape[0]):
+        if not 0 <= sources[i] < n:
+            raise ValueError(f"a source must be a vertex from 0 to {n - 1}, not {sources[i]}")
     result = np.full(n, -1, dtype=np.int32)
     cdef int32_t[::1] distance = result
     cdef int32_t[::1] queue = np.empty(n, dtype=np.int32)

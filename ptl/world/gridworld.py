@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ptl.errors import UserError
-from ptl.world.transitions import TransitionGraph
+from ptl.world.transitions import TransitionGraph, checked_states
 
 ACTIONS = ("north", "south", "west", "east")
 """Names of the actions in the order of every action axis in this package."""
@@ -165,13 +165,14 @@ class GridWorld:
     def distances_to(self, state: int) -> np.ndarray:
         """Return the shortest path in steps from every state to ``state``, int32 (n_states,), -1 if there is none.
 
-        Moves of a grid can be taken back, so these are also the distances from ``state``.
+        Moves of a grid can be taken back, so these are also the distances from ``state``. What is not a state raises
+        ValueError.
         """
         return self.transitions.steps_to(state)
 
     def shortest_path_length(self, origin: int, target: int) -> int:
         """Return the steps of the shortest path between two states, -1 if there is none."""
-        return int(self.distances_to(target)[origin])
+        return int(self.distances_to(target)[checked_states(origin, self.n_states)])
 
     def to_grid(self, values: np.ndarray, fill: float = np.nan) -> np.ndarray:
         """Lay a value per state (n_states,) out as the map, float array (rows, columns), ``fill`` on walls."""

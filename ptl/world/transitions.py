@@ -2,13 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ptl.world._graph import breadth_first
 
 N_ACTIONS = 4
+
+
+def checked_states(states: ArrayLike | Sequence[int], n_states: int) -> np.ndarray:
+    """Return states as an int32 array, or raise ValueError if one is not a whole number from 0 to n_states - 1."""
+    given = np.asarray(states)
+    if given.size and (given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= n_states):
+        raise ValueError(f"a state must be a whole number from 0 to {n_states - 1}, not {states!r}")
+    return given.astype(np.int32)
 
 
 class TransitionGraph:
@@ -19,18 +29,25 @@ class TransitionGraph:
     successors : int array, shape (n_states, 4)
     seen : uint8 array, shape (n_states,), optional
         Bit a is set if action a was taken in the state; all transitions if not given.
+
+    Raises
+    ------
+    ValueError
+        If a successor, or a state given to a call, is not a state, or the shapes differ.
     """
 
     def __init__(self, successors: np.ndarray, seen: np.ndarray | None = None) -> None:
-        self.successors = successors
         self.n_states = len(successors)
+        self.successors = checked_states(successors, self.n_states)
+        if self.successors.shape != (self.n_states, N_ACTIONS) or (seen is not None and len(seen) != self.n_states):
+            raise ValueError(f"successors must have the shape (n_states, {N_ACTIONS}), and seen one entry a state")
         if seen is None:
-            self.known = np.ones(successors.shape, dtype=bool)
+            self.known = np.ones(self.successors.shape, dtype=bool)
         else:
             self.known = (seen[:, None] >> np.arange(N_ACTIONS) & 1).astype(bool)
         states, actions = np.nonzero(self.known)
         self._origin = states.astype(np.int32)
-        self._target = successors[states, actions].astype(np.int32)
+        self._target = self.successors[states, actions]
 
     @property
     def visited(self) -> np.ndarray:
@@ -50,13 +67,13 @@ class TransitionGraph:
         ends = np.concatenate([self._origin, self._target])
         return _compressed_rows(ends, np.concatenate([self._target, self._origin]), self.n_states)
 
-    def steps_from(self, sources: np.ndarray | list[int]) -> np.ndarray:
+    def steps_from(self, sources: ArrayLike | Sequence[int]) -> np.ndarray:
         """Return the steps from the nearest of some states to every state, int32 (n_states,), -1 if no path leads."""
-        return breadth_first(*self._forward, np.asarray(sources, dtype=np.int32))
+        return breadth_first(*self._forward, checked_states(sources, self.n_states).reshape(-1))
 
     def steps_to(self, target: int) -> np.ndarray:
         """Return the steps from every state to ``target``, int32 (n_states,), -1 if there is no path."""
-        return breadth_first(*self._backward, np.array([target], dtype=np.int32))
+        return breadth_first(*self._backward, checked_states([target], self.n_states))
 
     def shortest_path_policy(self, target: int) -> np.ndarray:
         """Return the first action of a shortest path to ``target``, int8 (n_states,), -1 at the target or if none.
