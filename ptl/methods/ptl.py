@@ -73,9 +73,7 @@ class Method(BaseMethod):
         """Return P(s_i|g) of the null skill and the library's skills, float (1 + library size,), 0 if not allowed."""
         skills, world = self.parameters.skills, self.world
         allowed = self.allowed(len(self.candidates))
-        return prior(
-            world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed
-        )
+        return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
 
     def guide(self, learner: Learner, skill: int) -> None:
         """Follow a candidate other than the null skill."""

@@ -119,9 +119,7 @@ def _probabilities(file: LearningFile, task: str, subgoals: list[int]) -> np.nda
     view, skills = file.tasks[task], Parameters.from_dict(file.parameters).skills
     allowed = allowed_candidates(len(subgoals), skills.null_skill or len(subgoals) == 1)
     world = file.world
-    chances = prior(
-        world.cells, subgoals, view.goal, world.diagonal, skills.prior_form, skills.prior_width, allowed
-    )
+    chances = prior(world.cells, subgoals, view.goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
     selection = SkillSelection(chances, skills.likelihood_exponent, skills.likelihood_weight)
     history = []
     for episode, length in enumerate(view.steps):
