@@ -59,6 +59,7 @@ cdef class Learner:
     cdef void forget(self, uint32_t goal) noexcept nogil
     cdef void enter(self, uint32_t start) noexcept nogil
     cdef int run_greedily(self, int64_t budget, uint64_t epsilon) except -1 nogil
+    cdef int64_t walk(self, int64_t left, int64_t pause, uint64_t epsilon) noexcept nogil
     cdef int run_greedily_recorded(self, int64_t budget, uint64_t epsilon) except -1 nogil
     cdef int run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
                         const uint8_t* masks) except -1 nogil

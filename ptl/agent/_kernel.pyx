@@ -644,6 +644,18 @@ cdef class Learner:
     cdef int run_greedily(self, int64_t budget, uint64_t epsilon) except -1 nogil:
         if self.record_limit:
             return self.run_greedily_recorded(budget, epsilon)
+        cdef int64_t left = max(0, min(budget, self.max_steps - self.taken))
+        while True:
+            left = self.walk(left, max(0, left - self.until_check), epsilon)
+            if self.until_check > 0:
+                return 0
+            self.look_at_signals()
+
+    cdef int64_t walk(self, int64_t left, int64_t pause, uint64_t epsilon) noexcept nogil:
+        """Take steps until the goal or until ``pause`` of the steps left in all, or a few less, are left; return those.
+
+        Pairs of steps may overshoot the pause, because what they draw must not depend on it.
+        """
         # A state appears as its row, its offset SLOTS * state into the tables, so that a step is one load.
         cdef:
             uint32_t* moves = self.moves
@@ -658,68 +670,62 @@ cdef class Learner:
             double alpha = self.alpha
             uint32_t goal = self.goal, row = SLOTS * self.here, half = self.half
             bint has_half = self.has_half, notes_pairs = self.notes_pairs
-            int64_t left = max(0, min(budget, self.max_steps - self.taken)), before = left, pause
+            int64_t before = left
             uint32_t state, action, middle, move, slot
             uint64_t word, product
             int group, groups
 
-        while True:
-            # Pairs of steps may overshoot the pause; what they draw depends on the steps left in all.
-            pause = max(0, left - self.until_check)
-            while left > pause and row != SLOTS * goal:
-                state = row // SLOTS
-                if left >= 2 and cold[state]:
-                    if self.next_word == WORDS:
-                        self.draw_words()
-                    word = self.words[self.next_word]
-                    self.next_word += 1
-                    groups = <int>min(16, left // 2)
-                    for group in range(groups):
-                        slot = word & 15
-                        word >>= 4
-                        action = slot & 3
-                        middle = successors[row // 4 + action]
-                        last_exit[state] = action
-                        last_exit[middle] = slot >> 2
-                        if notes_pairs:
-                            taken_pairs[row + slot] = 1
-                        row = jumps[row + slot]
-                        state = row // SLOTS
-                        left -= 2
-                        if not cold[state]:
-                            break
-                    continue
+        while left > pause and row != SLOTS * goal:
+            state = row // SLOTS
+            if left >= 2 and cold[state]:
+                if self.next_word == WORDS:
+                    self.draw_words()
+                word = self.words[self.next_word]
+                self.next_word += 1
+                groups = <int>min(16, left // 2)
+                for group in range(groups):
+                    slot = word & 15
+                    word >>= 4
+                    action = slot & 3
+                    middle = successors[row // 4 + action]
+                    last_exit[state] = action
+                    last_exit[middle] = slot >> 2
+                    if notes_pairs:
+                        taken_pairs[row + slot] = 1
+                    row = jumps[row + slot]
+                    state = row // SLOTS
+                    left -= 2
+                    if not cold[state]:
+                        break
+                continue
 
-                if has_half:
-                    product = <uint64_t>half * GREEDY_SLOTS
-                    has_half = False
-                else:
-                    if self.next_word == WORDS:
-                        self.draw_words()
-                    word = self.words[self.next_word]
-                    self.next_word += 1
-                    product = <uint64_t><uint32_t>word * GREEDY_SLOTS
-                    half = word >> 32
-                    has_half = True
-                slot = product >> 32
-                if <uint32_t>product < epsilon:
-                    slot = GREEDY_SLOTS + (slot & 3)
-                move = moves[row + slot]
-                action = move % SLOTS
-                last_exit[state] = action
-                taken_actions[row // 4 + action] = 1
-                update(self, values, target, alpha, state, action, move // SLOTS)
-                row = move - action
-                left -= 1
+            if has_half:
+                product = <uint64_t>half * GREEDY_SLOTS
+                has_half = False
+            else:
+                if self.next_word == WORDS:
+                    self.draw_words()
+                word = self.words[self.next_word]
+                self.next_word += 1
+                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+                half = word >> 32
+                has_half = True
+            slot = product >> 32
+            if <uint32_t>product < epsilon:
+                slot = GREEDY_SLOTS + (slot & 3)
+            move = moves[row + slot]
+            action = move % SLOTS
+            last_exit[state] = action
+            taken_actions[row // 4 + action] = 1
+            update(self, values, target, alpha, state, action, move // SLOTS)
+            row = move - action
+            left -= 1
 
-            self.here = row // SLOTS
-            self.half, self.has_half = half, has_half
-            self.taken += before - left
-            self.until_check -= before - left
-            before = left
-            if self.until_check > 0:
-                return 0
-            self.look_at_signals()
+        self.here = row // SLOTS
+        self.half, self.has_half = half, has_half
+        self.taken += before - left
+        self.until_check -= before - left
+        return left
 
     cdef int run_greedily_recorded(self, int64_t budget, uint64_t epsilon) except -1 nogil:
         """Act as `run_greedily` does, from the same random numbers, with every step taken by `step`."""
