@@ -6,13 +6,14 @@ RUN_TOOLS = .venv/.run-tools
 TEST_TOOLS = .venv/.test-tools
 BENCHMARK_TOOLS = .venv/.benchmark-tools
 SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
+BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
 SOURCES = setup.py pyproject.toml $(wildcard ptl/*/*.pyx ptl/*/*.pxd)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
+.PHONY: help reproduce smoke report robustness beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -37,6 +38,18 @@ report: build  ## The page reports/published/report.html from what is there.
 
 robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
 	$(SNAKEMAKE) robustness
+
+beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (40 minutes).
+	$(BEYOND)
+	@echo "Open reports/beyond/index.html in a browser."
+
+beyond-smoke: build  ## The second study on a small configuration, in two minutes.
+	$(BEYOND) --configfile config/beyond.yaml config/beyond_smoke.yaml
+	@echo "Open reports/beyond_smoke/index.html in a browser."
+
+beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 3000 states (hours).
+	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
+	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
 benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md.
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
@@ -65,6 +78,7 @@ lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/snakefmt --check Snakefile workflow
 	.venv/bin/lint-imports
 	.venv/bin/snakemake --lint
+	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
 
 format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .

@@ -13,6 +13,8 @@ from ptl.files.regular import NotReadable, read_bytes
 MOST_BYTES = 2**20
 """Most bytes of a configuration file."""
 
+BEYOND = "beyond"
+"""Name of the second study, which is a workflow of its own; its configuration files begin with it."""
 
 FOREIGN = "it belongs to no run of this folder, so name another file or make it again where it came from"
 """Remedy for a file that the workflow in this folder does not make."""
@@ -22,6 +24,9 @@ def rebuild_command(path: str | os.PathLike[str]) -> str:
     """Return the Snakemake command that makes this product, with the configuration file that names its run."""
     config = _config_of(path)
     chosen = "" if config is None or config.name == "config.yaml" else f" --configfile {shlex.quote(str(config))}"
+    if config is not None and config.stem.startswith(BEYOND):
+        base = f"config/{BEYOND}.yaml"
+        chosen = f" --snakefile workflow/{BEYOND}.smk --configfile {' '.join(dict.fromkeys((base, str(config))))}"
     return f"snakemake {shlex.quote(str(_inside(path)))} --cores 1{chosen}"
 
 

@@ -26,6 +26,7 @@ from ptl.world.gridworld import GridWorld
 
 LEARNING, GROWTH, FREQUENCIES = "ptl-learning/1", "ptl-growth/1", "ptl-frequencies/1"
 STEPS, GAIN, SETTING, FIT = "ptl-steps/1", "ptl-gain/1", "ptl-robustness/1", "ptl-fit/1"
+LIVES = "ptl-lives/1"
 """Values of the root attribute ``format``, which says what a file is."""
 
 MOST_BYTES = 2**31
@@ -369,6 +370,34 @@ KINDS = {
                 groups=(
                     Group("lives", "the last six arrays only if a library is kept", arrays=_LIVES, optional=True),
                     _GROWN,
+                ),
+            ),
+        ),
+        Kind(
+            LIVES,
+            "Lives of the second study",
+            "lives/<family>_<size>_<sequence>/<method>/<first map>.h5",
+            Group(
+                "/",
+                "lives of one method on some maps of a family: $m$ maps, $s$ lives on each, $t$ tasks",
+                attributes=(
+                    Attribute("place", "text", "path of the file below the folder of lives, without the suffix"),
+                    Attribute(
+                        "job", "json", "everything that the lives were learned from",
+                        keys={"cell": dict, "root_seed": int, "population": str, "parameters": dict},
+                    ),
+                    _METHOD,
+                    _CODE,
+                    _VERSIONS,
+                ),
+                arrays=(
+                    Array("steps", "int64", ("m", "s", "t"), "steps of all episodes of each task", 0),
+                    Array("first", "int64", ("m", "s", "t"), "steps of the first episode", 0),
+                    Array("truncated", "int64", ("m", "s", "t"), "episodes that hit the step limit", 0),
+                    Array("library_size", "int64", ("m", "s", "t"), "skills in the library after the task", 0),
+                    Array("shortest", "int64", ("m", "t"), "shortest path of each task", 1),
+                    Array("states", "int64", ("m",), "states of the map", 2),
+                    Array("winding", "float64", ("m",), "mean over the goals of shortest path / straight line", 1),
                 ),
             ),
         ),

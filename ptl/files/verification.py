@@ -18,15 +18,17 @@ from ptl.files.manifest import read as read_manifest
 from ptl.files.provenance import code_digest
 from ptl.files.remedies import make_again
 from ptl.files.results import WITH_ORIGIN, LearningFile, ResultFile, read_result
-from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, SETTING, STEPS
+from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SETTING, STEPS
+from ptl.methods.beyond import module_of
 
 FOLDERS = (
     "learning", "growth", "subgoal_frequencies", "misleading_prior", "fernandez_veloso", "robustness", "decision",
+    "lives",
 )  # fmt: skip
 """Folders below results/<run>/ that hold files of one kind."""
 
 
-ARCHIVES = (STEPS, GAIN, SETTING, FIT)
+ARCHIVES = (STEPS, GAIN, SETTING, FIT, LIVES)
 """Kinds of plain arrays."""
 
 TEXTS = {".csv", ".md", ".html", ".tex", ".svg", ".png", ".rst", ".json", ".yaml", ".txt"}
@@ -148,6 +150,13 @@ def _foreign_archive(path: Path, file: Node, current_code: bool) -> Iterator[str
         if path.name != "steps.h5":
             yield "holds the steps of a whole run, steps.h5"
         return
+    if kind == LIVES:
+        if not path.absolute().as_posix().endswith(f"/{file.attrs['place']}.h5"):
+            yield f"holds the job {file.attrs['place']}"
+        module = module_of(str(file.attrs["job"]["cell"].get("method")))
+        if current_code and module and file.attrs["code"] != lives_code(module):  # another's method may have changed
+            yield "was made by another version of the code"
+        return
     name, modules = {
         GAIN: ("arm", ("ptl.study.policy_reuse_experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer")),
         SETTING: ("setting", ()),
@@ -162,6 +171,11 @@ def _foreign_archive(path: Path, file: Node, current_code: bool) -> Iterator[str
         return
     if current_code and file.attrs["code"] != code_digest(*modules):
         yield "was made by another version of the code"
+
+
+def lives_code(*modules: str) -> str:
+    """Return a digest of the sources that lives of the second study depend on, a method's own ones included."""
+    return code_digest("ptl.study.population.running", *modules)
 
 
 def _misplaced(path: Path, result: ResultFile) -> Iterator[str]:

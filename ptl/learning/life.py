@@ -49,6 +49,8 @@ class TaskRecord:
     discovery : Discovery
     update : Update
         What the library did after the task; methods without a library add nothing.
+    library_size : int
+        Skills in the library after the task, 0 if the method keeps none.
     """
 
     task: Task
@@ -59,6 +61,7 @@ class TaskRecord:
     selected: list[list[int]]
     discovery: Discovery
     update: Update
+    library_size: int
 
 
 @dataclass(frozen=True)
@@ -135,7 +138,8 @@ def learn_task(
     if library is not None:
         update = library.update(discovery, graph, task_index)
     method.end_task(learner)
-    return TaskRecord(task, learner.q.copy(), learner.seen, steps, truncated, selected, discovery, update)
+    size = 0 if library is None else len(library)
+    return TaskRecord(task, learner.q.copy(), learner.seen, steps, truncated, selected, discovery, update, size)
 
 
 def _checked_draws(method: BaseMethod, drawn: Any) -> list[int]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator
+from dataclasses import asdict
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,6 +31,7 @@ from ptl.files.schema import (
     GROWTH,
     KINDS,
     LEARNING,
+    LIVES,
     SETTING,
     STEPS,
     Array,
@@ -37,7 +39,7 @@ from ptl.files.schema import (
     Group,
 )
 from ptl.files.schema_docs import filled
-from ptl.files.verification import faults_of
+from ptl.files.verification import faults_of, lives_code
 from ptl.learning.growth import grow_library
 from ptl.learning.survey import subgoal_frequencies
 from ptl.report.explorer.data import collect
@@ -47,6 +49,8 @@ from ptl.study.growth import library_sizes
 from ptl.study.lives import learn_lives
 from ptl.study.measures import measure_files
 from ptl.study.policy_reuse_experiment import read_gains
+from ptl.study.population.collect import per_task
+from ptl.study.population.running import Cell, run_cell
 from ptl.study.robustness.running import run_setting
 from ptl.study.robustness.verdicts import load_setting
 
@@ -68,6 +72,14 @@ def write_setting(path: Path) -> None:
         },
         path,
     )  # fmt: skip
+
+
+def write_lives(path: Path) -> None:
+    map_file = path.parents[3] / "rooms.txt"
+    map_file.write_text(ROOMS.text)
+    cell = Cell("rooms", 0, "article", [str(map_file)], 2, "ptl", tasks="AB")
+    job = {"cell": asdict(cell), "root_seed": 1, "population": "", "parameters": QUICK.to_dict()}
+    run_cell(job, path, lives_code("ptl.methods.ptl"))
 
 
 @pytest.fixture(scope="module")
@@ -94,6 +106,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     write_setting(paths[SETTING])
     lives = {f"lives/{name}": values for name, values in learn_lives(ROOMS, "AB", "ptl", QUICK, 1, range(2)).items()}
     write_arrays(paths[FIT], FIT, lives, {"unit": {"method": "ptl"}, "setting": "0123abcd"})
+    write_lives(paths[LIVES])
     return {kind: path.read_bytes() for kind, path in paths.items()}
 
 
@@ -105,6 +118,7 @@ NAMES = {
     GAIN: "fernandez_veloso/library_234.h5",
     SETTING: "robustness/reference_1.h5",
     FIT: "fit/0123abcd.h5",
+    LIVES: "lives/rooms_0_article/ptl/rooms.h5",
 }
 
 GROUPS = SimpleNamespace(
@@ -128,6 +142,7 @@ READERS: dict[str, list[Callable[[Path], Any]]] = {
     GAIN: [lambda path: read_gains([path])],
     SETTING: [lambda path: load_setting(path, GROUPS)],
     FIT: [lambda path: read_arrays(path, FIT)],
+    LIVES: [lambda path: per_task([path])],
 }
 """What reads each kind of file, besides `ptl inspect` and `ptl verify`."""
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ptl import methods
+
 
 def names() -> list[str]:
     """Return the identifiers of these methods, in alphabetical order."""
@@ -17,3 +19,9 @@ def names() -> list[str]:
 def reference(name: str) -> str:
     """Return the reference of a method of this folder by its identifier; any other reference as it is."""
     return f"{__name__}.{name}:Method" if name in names() else name
+
+
+def module_of(method: str) -> str:
+    """Return the module of this package that defines a method, empty if the method comes from elsewhere."""
+    place = reference(method).partition(":")[0]
+    return place if place.startswith("ptl.") else f"ptl.methods.{place}" if place in methods.names() else ""

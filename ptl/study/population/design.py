@@ -1,0 +1,211 @@
+"""From config/beyond.yaml to the jobs of the second study."""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import msgspec
+
+from ptl import methods
+from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
+from ptl.errors import UserError
+from ptl.files.configuration import read_yaml
+from ptl.files.verification import lives_code
+from ptl.keys import ConfigurationError, Group, key, repeated
+from ptl.methods.beyond import module_of, reference
+from ptl.methods.ptl import Method as PartialTransfer
+from ptl.study.population.running import MOVING_AI, Cell
+from ptl.world.mazes import FAMILIES
+from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES
+
+MAIN = "increasing"
+"""Sequence of tasks of the main comparison, as in the article."""
+
+ARTICLE = "article"
+"""Sequence of the article's maps, whose goals are given."""
+
+
+class ArticleMap(Group, frozen=True, kw_only=True):
+    """A map of the article and its tasks."""
+
+    map: Annotated[str, key("Text file of the map.", **PATH)]
+    tasks: Annotated[str, key("Goal letters in the order in which they are learned.", **TASKS)]
+
+
+class Sequences(Group, frozen=True, kw_only=True):
+    """Other sequences of tasks, on the first maps of each family."""
+
+    names: Annotated[list[str], key("Sequences beside the increasing one.", wanted="a list of names")] = []  # noqa: RUF012
+    methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+
+
+class LibrarySizes(Group, frozen=True, kw_only=True):
+    """Libraries of given sizes, on the first maps of each family and on the article's maps."""
+
+    methods: Annotated[list[str], key("Variants of PTL.", wanted="a list of methods")] = []  # noqa: RUF012
+    per_task: Annotated[list[int], key("Skills added after each task.", wanted="a list of whole numbers")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+
+
+class Study(Parameters, frozen=True, kw_only=True):
+    """The second study: maps, methods and effort."""
+
+    run: Annotated[str, key("Name of the run; files go to results/<run>/, products to reports/<run>/.", **RUN_NAME)] = (
+        "beyond"
+    )
+    root_seed: Annotated[int, key("Seed from which every random stream derives.", ge=0, le=2**63 - 1)] = 15
+    population: Annotated[str, key("Table of the maps.", **PATH)] = str(POPULATION)
+    band: Annotated[Literal["tuning", "test"], key("Band of maps; what is tuned is tuned on the tuning band only.")] = (
+        "test"
+    )
+    size: Annotated[int, key("States of a map, about.", ge=1, le=10**6)] = 300
+    families: Annotated[list[str], key("Families of maps.", wanted="a list of names")] = msgspec.field(
+        default_factory=lambda: list(FAMILIES)
+    )
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 100
+    seeds: Annotated[int, key("Lives on each map under each method.", ge=1, le=10**5)] = 3
+    methods: Annotated[
+        list[str],
+        key(
+            "Methods to compare: identifiers of built-in methods and those of ptl/methods/beyond/, files, or"
+            " package.module:Class.",
+            wanted="a list of one or more methods",
+            min_length=1,
+        ),
+    ]
+    article_maps: Annotated[
+        dict[Name, ArticleMap], key("The article's maps, families of one map each.", wanted="names, each with its keys")
+    ] = {}  # noqa: RUF012
+    article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 30
+    moving_ai: Annotated[
+        list[str], key("Map files in the Moving AI format, a family of their own.", wanted="a list of paths")
+    ] = []  # noqa: RUF012
+    foreign_lives: Annotated[
+        dict[Name, Annotated[str, key("", **PATH)]],
+        key(
+            "Lives that another program has run, by the method's name: CSV files with the columns of per_life.csv.",
+            wanted="names, each with a file",
+        ),
+    ] = {}  # noqa: RUF012
+    sequences: Sequences = Sequences()
+    library_sizes: LibrarySizes = LibrarySizes()
+    batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
+    statistics: Statistics = Statistics()
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, given, known in (
+            ("families", self.families, FAMILIES),
+            ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s != MAIN]),
+            ("sequences.methods", self.sequences.methods, self.methods),
+            ("library_sizes.methods", self.library_sizes.methods, self.methods),
+        ):
+            for value in given:
+                if value not in known:
+                    raise ConfigurationError.of_value(name, value, f"one of {', '.join(known)}")
+            if twice := repeated(given):
+                raise ConfigurationError(name, f"{twice[0]} is repeated; name it once")
+        if self.families and (self.band, self.size) not in MAPS:
+            sizes = [str(size) for band, size in MAPS if band == self.band]
+            raise ConfigurationError.of_value("size", self.size, f"one of {', '.join(sizes)} in the band {self.band}")
+        if self.families and self.maps > MAPS[self.band, self.size]:
+            raise ConfigurationError.of_value(
+                "maps", self.maps, f"at most {MAPS[self.band, self.size]} for size {self.size} in the band {self.band}"
+            )
+        if any(number < 1 for number in self.library_sizes.per_task):
+            raise ConfigurationError.of_value(
+                "library_sizes.per_task", self.library_sizes.per_task, "numbers from 1 up"
+            )
+
+    @classmethod
+    def read(cls, given: Mapping[str, Any]) -> Self:
+        """Check a configuration and the methods that it names.
+
+        Raises
+        ------
+        UserError
+            One line that names the key, the value and the constraint.
+        """
+        article_maps = {name: entry for name, entry in (given.get("article_maps") or {}).items() if entry is not None}
+        study = cls.from_dict({**given, "article_maps": article_maps})
+        known = methods.by_identifier(map(reference, study.methods))
+        for method in study.methods:
+            methods.load(reference(method))
+        for name in study.foreign_lives:
+            if name in known:
+                raise ConfigurationError("foreign_lives", f"{name} is already the name of a method; choose another")
+        for name in study.library_sizes.methods:
+            if not issubclass(methods.load(reference(name)), PartialTransfer):
+                raise ConfigurationError.of_value("library_sizes.methods", name, "variants of ptl")
+        return study
+
+    @property
+    def modules(self) -> list[str]:
+        """Modules of the package that give the methods their names and colours."""
+        return [name for method in self.methods if (name := module_of(method))]
+
+    @property
+    def parameters(self) -> dict[str, Any]:
+        """The hyper-parameters of learning, as plain data."""
+        return {name: getattr(self, name).to_dict() for name in Parameters.__struct_fields__}
+
+
+def cells(study: Study) -> Iterator[Cell]:
+    """Yield the cells of a study."""
+    sizes, others = study.library_sizes, study.sequences
+    plans = [(MAIN, study.maps, method, 0) for method in study.methods]
+    plans += [(name, others.maps, method, 0) for name in others.names for method in others.methods]
+    sized = [(method, number) for method in sizes.methods for number in sizes.per_task]
+    plans += [(MAIN, sizes.maps, *variant) for variant in sized]
+    first = BANDS[study.band]
+    for family in study.families:
+        for sequence, maps, method, per_task in plans:
+            for batch in range(0, min(maps, study.maps), study.batch):
+                seeds: list[int | str] = list(range(first + batch, first + min(batch + study.batch, maps, study.maps)))
+                yield Cell(family, study.size, sequence, seeds, study.seeds, method, per_task)
+    for method, per_task in [*((method, 0) for method in study.methods), *sized]:
+        for family, entry in study.article_maps.items():
+            yield Cell(family, 0, ARTICLE, [entry.map], study.article_seeds, method, per_task, entry.tasks)
+        for path in study.moving_ai:
+            yield Cell(MOVING_AI, 0, MAIN, [path], study.seeds, method, per_task)
+
+
+def maps_of(cell: Cell, study: Study) -> list[str]:
+    """Return the files that a cell's maps come from: the table of all generated ones, or their own."""
+    return [study.population] if cell.size else [str(path) for path in cell.maps]
+
+
+def job_of(cell: Cell, study: Study) -> dict[str, Any]:
+    """Return what one cell's job needs, as plain data."""
+    return {
+        "cell": asdict(cell),
+        "root_seed": study.root_seed,
+        "population": study.population,
+        "parameters": study.parameters,
+    }
+
+
+def method_digest(method: str) -> str:
+    """Return a digest of the sources that the lives of a method depend on."""
+    if module := module_of(method):
+        return lives_code(module)
+    source = methods.source_file(method).read_bytes()
+    return hashlib.sha256(source + lives_code().encode()).hexdigest()[:16]
+
+
+def read_study(path: str | Path) -> Study:
+    """Read and check a file such as config/beyond.yaml.
+
+    Raises
+    ------
+    UserError
+        One line that names the file, the key and the remedy.
+    """
+    content = read_yaml(path)
+    try:
+        return Study.read(content)
+    except ConfigurationError as error:
+        raise UserError(f"{path}: {error}") from error

@@ -1,0 +1,133 @@
+# The second study: methods beyond the article's comparison, on maps that nobody chose.
+#
+#   maps -> lives (HDF5) -> a row for each life -> estimates, figures, tables, page
+#
+# A workflow of its own, apart from the reproduction: `make beyond` runs it.
+
+import json
+import os
+import shlex
+import sys
+
+from snakemake.utils import min_version
+
+from ptl.errors import UserError
+from ptl.files.atomic import remove_unfinished
+from ptl.files.configuration import read_yaml
+from ptl.files.provenance import check_build, code_digest
+from ptl.study.population.design import Study, cells, job_of, maps_of, method_digest
+
+min_version("9.27")
+
+
+configfile: "config/beyond.yaml"
+
+
+try:
+    check_build()
+    for path in workflow.configfiles:
+        read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
+    STUDY = Study.read(config)
+except UserError as error:
+    print(f"error: {error}", file=sys.stderr, flush=True)
+    os._exit(1)
+
+CELLS = {cell.name: cell for cell in cells(STUDY)}
+LEARNED = expand("<results>/lives/{cell}.h5", cell=CELLS)
+
+shell.prefix(
+    "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MPLBACKEND=Agg; "
+    f'ptl() {{{{ {shlex.quote(sys.executable)} -m ptl "$@"; }}}}; '
+)
+
+
+pathvars:
+    results=f"results/{STUDY.run}",
+    reports=f"reports/{STUDY.run}",
+    logs=f"logs/{STUDY.run}",
+
+
+onstart:
+    remove_unfinished(f"results/{STUDY.run}", f"reports/{STUDY.run}")
+
+
+localrules:
+    beyond,
+    lives,
+
+
+rule beyond:
+    default_target: True
+    # the lives come first: the products are tracked, and asking for them alone would be content with what is there
+    input:
+        LEARNED,
+        f"reports/{STUDY.run}/index.html",
+
+
+rule lives:
+    input:
+        LEARNED,
+
+
+rule learn_lives:
+    input:
+        lambda wildcards: maps_of(CELLS[wildcards.cell], STUDY),
+    output:
+        "<results>/lives/{cell}.h5",
+    log:
+        "<logs>/lives/{cell}.log",
+    wildcard_constraints:
+        cell="[a-zA-Z0-9_/.-]+",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        job=lambda wildcards: json.dumps(
+            job_of(CELLS[wildcards.cell], STUDY), sort_keys=True
+        ),
+        code=lambda wildcards: method_digest(CELLS[wildcards.cell].method),
+    message:
+        "Learning the lives {wildcards.cell}"
+    shell:
+        "ptl lives --job {params.job:q} --code {params.code} --output {output:q} 2> {log:q}"
+
+
+rule collect_lives:
+    input:
+        LEARNED,
+    output:
+        lives="<reports>/per_life.csv",
+        tasks="<results>/per_task.csv",
+    log:
+        "<logs>/collect_lives.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        code=code_digest("ptl.study.population.collect"),
+    message:
+        "Collecting all lives"
+    script:
+        "scripts/collect_lives.py"
+
+
+rule report_beyond:
+    input:
+        lives=rules.collect_lives.output.lives,
+        tasks=rules.collect_lives.output.tasks,
+        foreign=list(STUDY.foreign_lives.values()),
+    output:
+        page="<reports>/index.html",
+    log:
+        "<logs>/report_beyond.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        study=STUDY.to_dict(),
+        code=code_digest(
+            "ptl.report.beyond",
+            "ptl.report.figures.beyond",
+            *STUDY.modules,
+        ),
+    message:
+        "Writing the page of the second study"
+    script:
+        "scripts/report_beyond.py"
