@@ -10,10 +10,11 @@ import argparse
 import csv
 from collections.abc import Iterator
 
+import ptl.world.gymnasium_env  # noqa: F401 (registers ptl/GridWorld-v0; without Gymnasium it names the extra)
+
+# isort: split
 import gymnasium
 import numpy as np
-
-import ptl.world.gymnasium_env  # noqa: F401 (registers ptl/GridWorld-v0)
 
 ALPHA, GAMMA, EPSILON = 0.1, 0.95, 0.1
 

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
 
 GAP = "  "
 
+NAMES = ("environment", "task", "method", "metric")
+NUMBERS = ("mean", "ci_low", "ci_high", "n", "seeds")
+"""Columns that are read."""
+
 
 @click.command()
 @click.argument("run", required=False)
@@ -32,10 +36,10 @@ def command(
 
     RUN is the name of a run or a metrics.csv; left out, the run of this folder, or the published one of several.
     """
-    from ptl.files.csv import read_csv
+    from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 
     path = _path_of(run)
-    metrics = read_csv(path)
+    metrics = _estimates(path)
     frame = metrics
     for column, wanted in (("environment", environment), ("method", method), ("metric", measure)):
         frame = _only(frame, column, wanted, path)
@@ -47,7 +51,9 @@ def command(
     for (place, letter), part in frame.groupby(["environment", "task"], sort=False):
         first = metrics.loc[metrics["environment"] == place, "task"].iloc[0]
         note = ": nothing to transfer yet" if letter == first else ""
-        click.echo(f"{place}, task {letter}{note} ({int(part['seeds'].max())} seeds: mean [interval])")
+        seeds = int(part["seeds"].max())
+        shown = "mean [interval]" if seeds >= FEWEST_FOR_INTERVAL else "mean"
+        click.echo(f"{place}, task {letter}{note} ({seeds} seed{'s' if seeds > 1 else ''}: {shown})")
         width = shutil.get_terminal_size().columns
         click.echo("\n".join(_laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")
 
@@ -67,6 +73,21 @@ def _path_of(run: str | None) -> Path:
     raise UserError(
         f"reports/*/tables/metrics.csv: {len(found)} runs; name one of {', '.join(sorted(found)) or 'none'}"
     )
+
+
+def _estimates(path: Path) -> pd.DataFrame:
+    """Read a table of estimates; refuse a table of something else."""
+    from pandas.api.types import is_numeric_dtype
+
+    from ptl.errors import UserError
+    from ptl.files.csv import read_csv
+
+    table = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=dict.fromkeys(NUMBERS, ""))
+    wrong = [name for name in (*NAMES, *NUMBERS) if name not in table]
+    wrong += [name for name in NUMBERS if name in table and not is_numeric_dtype(table[name])]
+    if wrong:
+        raise UserError(f"{path}: no table of estimates (column {wrong[0]}); name a metrics.csv, or a run")
+    return table
 
 
 def _only(frame: pd.DataFrame, column: str, wanted: tuple[str, ...], path: Path) -> pd.DataFrame:

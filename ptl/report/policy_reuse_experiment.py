@@ -9,6 +9,7 @@ import pandas as pd
 
 from ptl.report.table import Table, text_table
 from ptl.study.policy_reuse_experiment import LIBRARY_TRIALS, MAX_STEPS, NEW_TASK, Gains
+from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.study.statistics import Resampling, mean, named_generator
 from ptl.text import MISSING, interval, number, percent
 
@@ -56,14 +57,17 @@ def gain_frame(gains: Iterable[Gains], how: Resampling) -> pd.DataFrame:
 
 
 def agreement(frame: pd.DataFrame) -> str:
-    """Return how our gains compare with the published ones, as one sentence computed from the frame."""
+    """Return how our gains compare with the published ones, computed from the frame."""
     beside = frame.dropna(subset=["published"])
     pairs = [f"{row.library}: {number(row.gain)} against {number(row.published)}" for row in beside.itertuples()]
-    within = int(((beside["ci_low"] <= beside["published"]) & (beside["published"] <= beside["ci_high"])).sum())
+    within = int(beside["published"].between(beside["ci_low"], beside["ci_high"]).sum())
+    inside = f"{within} of {len(beside)} published values lie in our interval"
+    if beside["ci_low"].isna().any():
+        inside = f"With fewer than {FEWEST_FOR_INTERVAL} seeds there is no interval that could hold a published value"
     least = "the same" if beside["gain"].idxmin() == beside["published"].idxmin() else "another"
     sentences = [
         f"Ours against published: {'; '.join(pairs)}.",
-        f"{within} of {len(beside)} published values lie in our interval; the library that gains least is {least}.",
+        f"{inside}; the library that gains least is {least}.",
     ]
     if within < len(beside):
         sentences.append("So this check does not show that our policy reuse behaves as its authors' does.")

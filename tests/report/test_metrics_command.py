@@ -79,6 +79,26 @@ def test_unknown_names_are_refused_with_those_that_exist(arguments, message):
     assert message in refusal(*arguments)
 
 
+def test_few_seeds_promise_no_interval(tmp_path: Path):
+    metrics = read_csv("reports/published/tables/metrics.csv").assign(seeds=2)
+    metrics.to_csv(tmp_path / "metrics.csv", index=False)
+    assert printed(str(tmp_path / "metrics.csv"), "-e", "env1")[0] == "env1, task F (2 seeds: mean)"
+
+
+@pytest.mark.parametrize("text", ["a,b\n1,2\n", "environment,task,method,metric\nenv1,A,ptl,total_steps\n"])
+def test_another_table_is_refused(tmp_path: Path, text):
+    path = tmp_path / "other.csv"
+    path.write_text(text)
+    assert refusal(str(path)).startswith(f"{path}: no table of estimates (column ")
+
+
+def test_words_for_numbers_are_refused(tmp_path: Path):
+    metrics = read_csv("reports/published/tables/metrics.csv").astype({"mean": str})
+    metrics.loc[3, "mean"] = "many"
+    metrics.to_csv(tmp_path / "metrics.csv", index=False)
+    assert "no table of estimates (column mean)" in refusal(str(tmp_path / "metrics.csv"))
+
+
 def test_without_any_run_the_folder_is_named(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert refusal() == "reports/*/tables/metrics.csv: 0 runs; name one of none"

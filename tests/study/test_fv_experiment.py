@@ -6,6 +6,7 @@ from pathlib import Path
 
 import h5py
 import numpy as np
+import pandas as pd
 import pytest
 from click.testing import CliRunner
 from projects import MAPS
@@ -15,7 +16,7 @@ from ptl.cli.fv import command
 from ptl.errors import UserError
 from ptl.methods._base import BaseMethod
 from ptl.report.figures import policy_reuse_experiment as figure
-from ptl.report.policy_reuse_experiment import gain_frame, gain_table
+from ptl.report.policy_reuse_experiment import agreement, gain_frame, gain_table
 from ptl.report.table import to_html, to_markdown
 from ptl.study import policy_reuse_experiment as fv
 from ptl.study.statistics import Resampling
@@ -170,3 +171,18 @@ def test_bad_files_are_refused_in_one_line(files: list[Path], tmp_path: Path, en
         assert "\n" not in str(caught.value)
     with pytest.raises(UserError, match="unknown; known are q_learning"):
         fv.run_job(env3, "library_9", [0], 1, 7, 1, other)
+
+
+@pytest.mark.parametrize(
+    ("limits", "words"),
+    [
+        ((0.2, 0.3), ("2 of 2 published values lie in our interval", "least is the same.")),
+        ((0.27, 0.3), ("1 of 2 published values", "does not show that our policy reuse behaves as its authors'")),
+        ((np.nan, np.nan), ("fewer than 5 seeds there is no interval", "does not show")),
+    ],
+)
+def test_the_sentence_on_agreement_follows_from_the_numbers(limits, words):
+    frame = pd.DataFrame({"library": ["one", "two"], "gain": [0.25, 0.29], "published": [0.21, 0.28]})
+    sentence = agreement(frame.assign(ci_low=limits[0], ci_high=limits[1]))
+    assert all(word in sentence for word in words)
+    assert ("does not show" in sentence) == any("does not show" in word for word in words)

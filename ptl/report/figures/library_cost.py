@@ -60,7 +60,8 @@ def _selection(axes: Axes, part: pd.DataFrame) -> None:
     (line,) = axes.plot(skills, part["fit"], color=style.INK, linewidth=2)
     axes.set(xlim=(0, None), ylim=(0, None))
     axes.set(xlabel="skills in the library", ylabel="operations of one selection")
-    axes.yaxis.set_major_formatter("{x:,.0f}")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(style.GROUPED)
     axes.set_title("Cost of a skill selection")
     axes.legend([dots, line], ["counted", f"line: {number(slope)} operations a skill"], loc="upper left")
 
@@ -71,7 +72,7 @@ def _storage(axes: Axes, part: pd.DataFrame) -> None:
     for shade, (states, library) in zip(shades, groups, strict=True):
         library = library.sort_values("skills")
         kibibytes = library["bytes"].astype(float) / KIBIBYTE
-        axes.plot(library["skills"].astype(float), kibibytes, "o-", color=shade, markersize=7, label=str(states))
+        axes.plot(library["skills"].astype(float), kibibytes, "o-", color=shade, markersize=7, label=number(states))
     axes.set(xlim=(0, None), ylim=(0, None), xlabel="skills in the library", ylabel="size of the library, KiB")
     axes.set_title("Size of the library")
     # the largest line comes first, as in the picture

@@ -58,13 +58,13 @@ class Selections:
 
 
 EPISODES = 60
-"""Episodes that the figure shows."""
+"""Episodes that the figure shows at most."""
 
 
 def make(job: Job) -> tuple[Figure, pd.DataFrame]:
     """Draw the selection of the last task of the map on which the prior misleads."""
     selections = collect(job.input.misleading_prior, job.groups.statistics)
-    return draw(selections, EPISODES), selections.frame
+    return draw(selections, min(EPISODES, int(selections.frame["episode"].max()))), selections.frame
 
 
 def collect(paths: Iterable[str | Path], statistics: Statistics, task: str | None = None) -> Selections:

@@ -88,6 +88,7 @@ def draw(frame: pd.DataFrame) -> Figure:
         ends.append((end, colour))
     top = 1.12 * float(np.nanmax(frame[["gain", "ci_high", "published"]].to_numpy()))
     _label_ends(axes, ends, last, top)
+    axes.xaxis.set_major_formatter(style.GROUPED)
     first = frame.iloc[0]
     axes.set(xlim=(0, last), ylim=(0, top), xlabel="trials", ylabel="mean gain W over the first trials")
     band = f", {percent(first['confidence'])} interval" if frame["ci_low"].notna().any() else ""

@@ -43,6 +43,10 @@ CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#1f3d7a", "#a8244f", "#2f6b1e")
 """Colours of things that are not methods, told apart also by the colour-blind; none is a method's."""
 
 
+GROUPED = "{x:,.0f}"
+"""Format of the marks of a linear axis of whole numbers that reach 1,000, as `ptl.text.number` writes them."""
+
+
 def _heat() -> ListedColormap:
     """Return reversed magma from white to deep purple: zero looks like floor, large values do not look like walls."""
     colours = mpl.colormaps["magma_r"](np.arange(216))
