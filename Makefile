@@ -13,7 +13,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
+.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -38,6 +38,9 @@ report: build  ## The page reports/published/report.html from what is there.
 
 robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
 	$(SNAKEMAKE) robustness
+
+fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).
+	$(SNAKEMAKE) fit
 
 beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (40 minutes).
 	$(BEYOND)

@@ -147,6 +147,13 @@ class Evidence:
             raise Lacking(f"environment {environment} is not in this run")
         return self.worlds[environment]
 
+    def goal(self, environment: str, letter: str) -> int:
+        """Return the state of a goal letter."""
+        world = self.world(environment)
+        if letter not in world.goals:
+            raise Lacking(f"environment {environment} has no goal {letter}")
+        return world.goal(letter)
+
     def peaks(self, environment: str, method: str, task: str, metric: str) -> np.ndarray:
         """Return the state where a metric ("incremental" or "original") is greatest, int array (seeds,)."""
         return self._subgoal_rows(environment, method, task)[f"{metric}_peak"].to_numpy()

@@ -7,7 +7,8 @@ on each other, so the best drawing of each is found on its own claims:
 2. every learner with these drawings; for each learner the best drawing of each environment;
 3. every learner with its drawings on all claims: the *screen*. The best ones, the reference, and the best by either
    half of the claims are the finalists;
-4. the finalists again with other random numbers and more seeds. The best one is the choice.
+4. the finalists' learners with these drawings again, with other random numbers and more seeds, and for each the best
+   drawing of each environment. The best finalist is the choice.
 
 What a method does not read cannot change it, so lives are learned once for all settings that agree on what it reads,
 and kept in files: an interrupted search goes on where it stopped.
@@ -221,17 +222,17 @@ class Searcher:
         kept = {name: self._kept_drawings(name, learners[: search.probes]) for name in self.config.environments}
         screened = [self._screened(learner, kept) for learner in learners]
         ranked = sorted(screened, key=lambda own: own.score().rank)
-        halves = [self._screened_by(half, learners, kept) for half in search.halves]
-        wanted = [screened[0].setting, *(own.setting for own in ranked[: search.finalists]), *halves]
-        reference = Setting({}, {name: {} for name in self.config.environments})
-        finalists = [reference, *wanted]
-        finals = [
-            self._judge("final", setting, search.final, CLAIMS)
-            for place, setting in enumerate(finalists)
-            if setting not in finalists[:place]
+        by_half = [
+            best([self._screened(learner, kept, half) for learner in learners], half).setting.learner
+            for half in search.halves
         ]
-        by_setting = [next(own for own in finals if own.setting == half) for half in halves]
-        return Outcomes(self.tried, best(finals), by_setting, finals[0])
+        reference = Setting({}, {name: {} for name in self.config.environments})
+        finals = [
+            self._judge("final", reference, search.final, CLAIMS),
+            *(self._decided(own.setting.learner, kept) for own in ranked[: search.finalists]),
+        ]
+        halves = [self._decided(learner, kept, half) for learner, half in zip(by_half, search.halves, strict=True)]
+        return Outcomes(self.tried, best([*finals, *halves]), halves, finals[0])
 
     def _kept_drawings(self, environment: str, probes: Sequence[Changes]) -> list[Changes]:
         drawings = [{}, *self.search.drawings.get(environment, [])]
@@ -245,7 +246,8 @@ class Searcher:
     def _own(self, learner: Changes, environment: str, drawing: Changes, stage: str) -> Judged:
         """Judge the claims on one environment alone."""
         setting = Setting(learner, {environment: drawing})
-        return self._judge(stage, setting, self.search.screen, claims_of(environment))
+        effort = self.search.final if self._phase(stage) == "final" else self.search.screen
+        return self._judge(stage, setting, effort, claims_of(environment))
 
     def _best_drawings(
         self, learner: Changes, kept: Mapping[str, list[Changes]], claims: Iterable[str] | None
@@ -267,18 +269,25 @@ class Searcher:
         setting = self._best_drawings(learner, kept, claims)
         return self._judge("screen", setting, self.search.screen, CLAIMS)
 
-    def _screened_by(
-        self, half: Iterable[str], learners: Sequence[Changes], kept: Mapping[str, list[Changes]]
-    ) -> Setting:
-        named = list(half)
-        return best([self._screened(learner, kept, named) for learner in learners], named).setting
+    def _decided(
+        self, learner: Changes, kept: Mapping[str, list[Changes]], claims: Sequence[str] | None = None
+    ) -> Judged:
+        """Decide between the drawings of each environment, then judge the learner with those chosen."""
+        chosen = {}
+        for name, drawings in kept.items():
+            decided = [self._own(learner, name, drawing, "final drawings") for drawing in drawings]
+            chosen[name] = best(decided, claims).setting.drawings[name]
+        return self._judge("final", Setting(learner, chosen), self.search.final, CLAIMS)
 
     # -- judging ---------------------------------------------------------------------------------------------
 
     def _judge(self, stage: str, setting: Setting, effort: Effort, claims: Iterable[Claim]) -> Judged:
         done = next((own for own in self.tried if (own.stage, own.setting) == (stage, setting)), None)
         if done is None:
-            same = next((own for own in self.tried if own.setting == setting and own.stage != "final" != stage), None)
+            same = next(
+                (own for own in self.tried if own.setting == setting and self._phase(own.stage) == self._phase(stage)),
+                None,
+            )
             judgements = same.judgements if same else self._judgements(stage, setting, effort, claims)
             done = Judged(stage, setting, effort.seeds, judgements)
             self.tried.append(done)
@@ -365,7 +374,7 @@ class Searcher:
 
     @staticmethod
     def _phase(stage: str) -> str:
-        return "final" if stage == "final" else "screen"
+        return "final" if stage.startswith("final") else "screen"
 
     def _kept(self, unit: Mapping[str, Any], learn: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
         modules = ("ptl.study.lives", *[f"ptl.methods.{method}" for method in (unit["method"],) if method != "growth"])

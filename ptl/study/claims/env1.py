@@ -31,7 +31,8 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     world = evidence.world(ENV)
     doors = places.doorways(world)
     at_any = places.near(world, doors, AT)
-    at_newest = {task: places.near(world, [places.newest_doorway(world, world.goal(task))], AT) for task in TASKS}
+    goals = {task: evidence.goal(ENV, task) for task in TASKS}
+    at_newest = {task: places.near(world, [places.newest_doorway(world, goal)], AT) for task, goal in goals.items()}
 
     def found(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
         peaks = {task: evidence.peaks(ENV, c.PTL, task, metric) for task in tasks}

@@ -91,7 +91,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     sizes[room[world.start]] = 0
     big = int(sizes.argmax())
     for task in TASKS:
-        goal_room = int(room[world.goal(task)])
+        goal_room = int(room[evidence.goal(ENV, task)])
         if goal_room in (-1, room[world.start]):
             raise Lacking(f"{world.name}: goal {task} is not in a room")
         peaks = evidence.peaks(ENV, c.PTL, task, "incremental")
