@@ -4,7 +4,8 @@ The classes below are the only place that says so. The checks of the run, of the
 the defaults of jobs and ``config/README.md`` all follow from them. To add a key, add a field and use it.
 
 A mark says where a default comes from: the text of the article (`STATED`), a cited work or a public re-implementation
-of it (`FV`), or this reconstruction (`CHOSEN`); ``docs/reconstruction.md`` gives the reasons.
+of it (`FV`), or this reconstruction, because it is simple or usual (`CHOSEN`) or because it fits the article's claims
+(`FITTED`); ``docs/reconstruction.md`` gives the reasons.
 """
 
 from collections.abc import Collection, Mapping
@@ -16,7 +17,7 @@ from msgspec import Meta
 from ptl.errors import UserError
 from ptl.keys import ConfigurationError, Group, key, repeated, shortened, text
 
-STATED, CHOSEN = "stated", "chosen"
+STATED, CHOSEN, FITTED = "stated", "chosen", "chosen, because it fits"
 FV = "source (Fernandez and Veloso)"
 
 RUN_NAME = text("[A-Za-z0-9][A-Za-z0-9_-]*", "letters, digits, _ and -, not starting with _ or -")
@@ -53,8 +54,8 @@ class Skills(Group, frozen=True, kw_only=True):
         key("Form of the prior over the distance between subgoal and goal.", CHOSEN),
     ] = "exponential"
     prior_width: Annotated[
-        float, key("sigma, width of the prior as a share of the map's diagonal.", CHOSEN, gt=0, le=1000)
-    ] = 0.1
+        float, key("sigma, width of the prior as a share of the map's diagonal.", FITTED, gt=0, le=1000)
+    ] = 0.03
     likelihood_exponent: Annotated[
         float, key("kappa, exponent of the performance in the likelihood.", CHOSEN, ge=0, le=100)
     ] = 2.0
@@ -280,11 +281,6 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     growth: Growth = Growth()
     subgoal_frequencies: SubgoalFrequencies = SubgoalFrequencies()
     robustness: Robustness = Robustness()
-
-    @property
-    def article(self) -> bool:
-        """Whether the run learns maps of the article, so that its claims, numbers and experiments are about the run."""
-        return any(environment.article_items.to_dict() for environment in self.environments.values())
 
     def __post_init__(self) -> None:
         super().__post_init__()

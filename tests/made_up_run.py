@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
-from projects import MAPS
+from projects import FIRST_MAPS
 
 from ptl.study.discoveries import Found
 from ptl.study.evidence import Evidence, settings_of
@@ -35,7 +35,7 @@ class MadeUpRun:
     """
 
     def __init__(self):
-        self.worlds = {name: load_map(MAPS / f"{name}.txt") for name in ENVIRONMENTS}
+        self.worlds = {name: load_map(FIRST_MAPS[name]) for name in ENVIRONMENTS}
         self.curves = {}
         for level, task in enumerate(TASKS, start=1):
             env1 = {

@@ -14,6 +14,8 @@ import yaml
 
 ROOT = next(folder for folder in Path(__file__).resolve().parents if (folder / "Snakefile").is_file())
 MAPS = ROOT / "config/environments"
+FIRST_MAPS = {"env1": MAPS / "first/env1.txt", "env2": MAPS / "first/env2.txt", "env3": MAPS / "env3.txt"}
+"""Maps of the first reference, whose cells tests name."""
 
 ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 """Map ``rooms.txt`` of every copy."""
@@ -21,16 +23,14 @@ ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 TINY: dict[str, Any] = {
     "run": "tiny",
     "seeds": 2,
-    "environments": {
-        "rooms": {"map": "rooms.txt", "title": "Two rooms", "tasks": "AB", "article_items": {"measures": "figure13"}}
-    },
+    "environments": {"rooms": {"map": "rooms.txt", "title": "Two rooms", "tasks": "AB"}},
     "methods": ["no_transfer", "policy_reuse", "ptl"],
     "learning": {"episodes": 20},
     "statistics": {"resamples": 100},
     "growth": {"environment": "rooms", "tasks": 4, "runs": 2, "breakpoint": 2},
     "subgoal_frequencies": {"trajectories": 3, "starts": 4, "batches": 2},
 }
-"""Configuration of a copy: every kind of job in a few seconds, those on the article among them."""
+"""Configuration of a copy: every kind of job in a few seconds."""
 
 TARGETS = (
     "reports/tiny/tables/per_seed.csv",

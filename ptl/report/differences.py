@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from ptl.report.ledger import FITTED
 from ptl.report.table import Table, text_table
 from ptl.study.claims.verdict import Outcome
 from ptl.text import MISSING, estimate, percent
@@ -55,6 +56,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         rows,
         [
             "The article's tables and figures are lost, so only statements of its running text can be compared.",
+            FITTED,
             "Reproduced in: share of the settings of the robustness study, with one unknown moved and with all moved at"
             " once; hangs on: the unknown that affects the claim most there. With few seeds a setting many parts stay"
             " open.",

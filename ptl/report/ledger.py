@@ -47,6 +47,13 @@ RULE = (
 )
 
 
+FITTED = (
+    "The drawings of maps 1 and 2 and the width of PTL's prior were chosen because they fit these claims, so agreement"
+    " is a fit and no prediction; docs/reconstruction.md says what the choice is worth on claims that it had not seen."
+)
+"""What a reader of any verdict must know of the published maps and settings."""
+
+
 def run_text(seeds: int, few: int, statistics: Any) -> str:
     """Describe the runs that a ledger judges: those that decide, and those of the tables."""
     resampling = (
@@ -196,6 +203,7 @@ def _values(judgements: Sequence[Judgement], few: Sequence[Judgement], run: str)
             for verdict, count in counts(judgements).items()
         ],
         "rows": list(map(_row, judgements, few)),
+        "fitted": FITTED,
         "rule": RULE,
         "meanings": MEANINGS,
     }

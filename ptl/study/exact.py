@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import spsolve
 
 from ptl.world.gridworld import GridWorld
 
@@ -16,8 +18,8 @@ def first_episode_without_transfer(world: GridWorld, goal: int) -> float:
     states = np.flatnonzero(world.distances_to(goal) > 0)
     place = np.full(world.n_states, -1)
     place[states] = np.arange(len(states))
-    system = np.eye(len(states))
     after = place[world.successors[states]]
     rows, actions = np.nonzero(after >= 0)
-    np.subtract.at(system, (rows, after[rows, actions]), 0.25)
-    return float(np.linalg.solve(system, np.ones(len(states)))[place[world.start]])
+    walk = sparse.coo_array((np.full(len(rows), 0.25), (rows, after[rows, actions])), shape=(len(states),) * 2)
+    system = sparse.eye_array(len(states)) - walk
+    return float(spsolve(system.tocsc(), np.ones(len(states)))[place[world.start]])

@@ -21,7 +21,7 @@ def chain_of_rooms(rooms: int, size: int = 10, goals: str = GOALS) -> str:
 
     Doors are in the same row everywhere, ``I`` in the first room, goals deep in the last
     ``len(goals)`` rooms.
-    ``chain_of_rooms(7)`` is environment 1.
+    ``chain_of_rooms(7)`` is environment 1 of the first reference.
     """
     if rooms <= len(goals) or size < 3:
         raise ValueError("needs more rooms than goals, of at least 3 x 3 cells")

@@ -20,8 +20,11 @@ import numpy as np
 from ptl.errors import UserError
 from ptl.world.gridworld import GridWorld
 
-ROOM_SIZE, GOAL_DEPTH = 10, 0.9
-"""The values behind the reference map of environment 1."""
+ROOM_SIZE, GOAL_DEPTH = 12, 0.6
+"""The values behind the map of environment 1."""
+
+GOAL_ROW = 0.9
+"""Row of every goal in its room of the chain, as a share of the room's height."""
 
 DETAILS_OF_CHAIN = ("room_size", "goal_depth")
 KINDS = ("start", *DETAILS_OF_CHAIN, "chain", "corridor")
@@ -88,7 +91,7 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: o
     if not (door is None or (isinstance(door, int | float) and 0 < door <= 1)):
         raise UserError(f"door: {door!r} is not allowed; give a number in (0, 1]")
     door_row = size // 2 + 1 if door is None else _share(size, float(door))
-    goal_row = _share(size, GOAL_DEPTH)
+    goal_row = _share(size, GOAL_ROW)
     grid = [["#"] * (rooms * (size + 1) + 1) for _ in range(size + 2)]
     for room in range(rooms):
         left = room * (size + 1) + 1

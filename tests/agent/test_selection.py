@@ -13,9 +13,10 @@ CELLS = np.array([(0, 0), (0, 4), (3, 0)])
 def test_prior_by_hand():
     # Goal at (0, 0), L = 10, sigma = 0.1: distances 0, 4 and 3 in units of 1 cell.
     weights = np.exp([0.0, -4.0, -3.0])
-    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0), weights / weights.sum(), rtol=1e-14)
+    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, width=0.1), weights / weights.sum(), rtol=1e-14)
     gaussian = np.exp([0.0, -8.0, -4.5])
-    np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, "gaussian"), gaussian / gaussian.sum(), rtol=1e-14)
+    made = prior(CELLS, [0, 1, 2], 0, 10.0, "gaussian", width=0.1)
+    np.testing.assert_allclose(made, gaussian / gaussian.sum(), rtol=1e-14)
     np.testing.assert_allclose(prior(CELLS, [0, 1, 2], 0, 10.0, "uniform"), [1 / 3] * 3)
     # Twice the width halves the exponents.
     wide = np.exp([0.0, -2.0, -1.5])

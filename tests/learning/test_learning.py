@@ -11,6 +11,7 @@ from ptl.errors import UserError
 from ptl.learning import growth
 from ptl.learning.life import Life, Task, learn_life, tasks_of
 from ptl.world.gridworld import GridWorld
+from ptl.world.variants import ROOM_SIZE
 
 ROOMS = GridWorld.from_text(
     "###############\n#I...#...#...A#\n#.............#\n#....#...#....#\n#..B.#.C.#....#\n###############\n", "rooms"
@@ -104,8 +105,9 @@ def test_env1_subgoals_fall_on_the_doorways(env1):
         life = learn_life(env1, tasks_of(env1, "ABCDEF"), "ptl", Parameters(), 5, "env1", seed)
         columns = [int(env1.cells[state][1]) for state in life.library.subgoals]
         assert len(columns) == 6
-        assert all(abs(column - door) <= 1 for column, door in zip(columns, range(11, 77, 11), strict=True))
-        assert {int(env1.cells[state][0]) for state in life.library.subgoals} == {6}
+        width = ROOM_SIZE + 1
+        assert all(abs(column - door * width) <= 1 for door, column in enumerate(columns, start=1))
+        assert {int(env1.cells[state][0]) for state in life.library.subgoals} == {ROOM_SIZE // 2 + 1}
 
 
 def test_method_that_gives_up_early_is_refused(monkeypatch):

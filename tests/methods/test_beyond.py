@@ -195,7 +195,7 @@ def test_drawing_the_frontier_follows_what_was_seen():
 
 def test_the_path_prior_by_hand():
     """Weights exp(-steps to f / (sigma L)); a subgoal from which no seen path leads to f has none."""
-    method = make("ptl_frontier_path", LINE)
+    method = make("ptl_frontier_path", LINE, skills__prior_width=0.1)
     method.library.skills = [Skill(subgoal, np.full(10, -1, dtype=np.int8), 0) for subgoal in (4, 1)]
     for state in range(2, 6):
         method.seen_before[state] = 15
@@ -203,7 +203,7 @@ def test_the_path_prior_by_hand():
     assert method.frontier == 6
     weights = np.exp(-np.array([4, 2, np.inf, 0]) / (0.1 * LINE.diagonal))
     np.testing.assert_allclose(method.selection.prior, weights / weights.sum())
-    alone = make("ptl_path_prior", LINE)
+    alone = make("ptl_path_prior", LINE, skills__prior_width=0.1)
     alone.library, alone.seen_before = method.library, method.seen_before
     alone.begin_task(LINE.start, LINE.goal("A"))
     np.testing.assert_allclose(alone.selection.prior, weights[:3] / weights[:3].sum())

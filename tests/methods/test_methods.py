@@ -130,7 +130,7 @@ def test_ptl_follows_the_drawn_skill_then_explores():
 
 
 def test_ptl_prior_counts_the_start_as_the_null_skill():
-    method = with_skills("ptl", [6])
+    method = with_skills("ptl", [6], skills__prior_width=0.1)
     method.begin_task(0, 7)
     scale = 0.1 * np.hypot(1, 8)
     weights = np.exp(-np.array([7, 1]) / scale)

@@ -58,3 +58,8 @@ def test_of_many_comparisons_those_that_do_not_hold_come_first():
 
 def test_a_claim_without_comparisons_gives_its_reason():
     assert row(CLAIM | {"verdict": "undecided"}, [])[2:4] == ["not in this run", "undecided"]
+
+
+def test_the_page_says_that_the_reading_was_fitted():
+    notes = differences_table(pd.DataFrame([CLAIM]), pd.DataFrame([PART])).notes
+    assert any("is a fit and no prediction" in note for note in notes)

@@ -105,3 +105,9 @@ def test_page_is_well_formed_and_says_verdicts_in_words(verdicts):
     assert "not reproduced" in page.words
     assert "<b> & co" in page.words
     assert "src=" not in ledger.to_html(judged, judged, RUN)
+
+
+def test_a_reader_of_verdicts_is_told_that_the_reading_was_fitted(verdicts):
+    judged = list(verdicts.values())
+    for page in (ledger.to_markdown(judged, judged, RUN), ledger.to_html(judged, judged, RUN)):
+        assert "is a fit and no prediction" in page

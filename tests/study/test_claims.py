@@ -22,6 +22,7 @@ from made_up_run import (
     VARIANTS,
     MadeUpRun,
 )  # fmt: skip
+from projects import FIRST_MAPS
 
 from ptl.errors import UserError
 from ptl.files.arrays import write_arrays
@@ -31,9 +32,19 @@ from ptl.study.claims.verdict import Outcome, Part, Verdict, above, below, betwe
 from ptl.study.evidence import Evidence, Lacking, read_evidence, settings_of
 from ptl.study.measures import STEPS
 from ptl.study.statistics import Estimate
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, load_map
 
 CLAIMS = {claim.id: claim for claim in claims.CLAIMS}
+
+
+@pytest.fixture(scope="module")
+def env1():
+    return load_map(FIRST_MAPS["env1"])
+
+
+@pytest.fixture(scope="module")
+def env2():
+    return load_map(FIRST_MAPS["env2"])
 
 
 def concerned(id):

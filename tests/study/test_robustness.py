@@ -139,7 +139,7 @@ def test_chain_of_rooms_is_the_published_map_at_its_own_values(env1: GridWorld) 
 def test_other_rooms_and_goals(env1: GridWorld) -> None:
     small = changed_world(env1, {"room_size": 6})
     assert small.n_states == 7 * 36 + 6
-    near, far = (changed_world(env1, {"goal_depth": depth}) for depth in (0.3, 0.9))
+    near, far = (changed_world(env1, {"room_size": 10, "goal_depth": depth}) for depth in (0.3, 0.9))
     for letter in "ABCDEF":
         assert near.cells[near.goal(letter)][1] == far.cells[far.goal(letter)][1] - 6
         assert near.cells[near.goal(letter)][0] == far.cells[far.goal(letter)][0]

@@ -13,13 +13,14 @@ import click
 import pandas as pd
 import pytest
 import yaml
-from projects import ROOT, TINY, Project, errors_of
+from projects import MAPS, ROOT, TINY, Project, errors_of
 
 import ptl
 from ptl.cli import commands
 from ptl.config import Parameters
 from ptl.report import ledger
 from ptl.report.readme import filled
+from ptl.world.gridworld import load_map
 
 PAGES = [
     path.relative_to(ROOT).as_posix()
@@ -159,7 +160,7 @@ def test_examples_of_the_format_page_run(
     for code in blocks("docs/file-format.md", "python"):
         exec(compile(code, "docs/file-format.md", "exec"), names)
     printed = capsys.readouterr().out
-    assert "env2 ptl 0" in printed and "243 states" in printed
+    assert "env2 ptl 0" in printed and f"{load_map(MAPS / 'env2.txt').n_states} states" in printed
     assert set(names["curves"]) == {"no_transfer", "policy_reuse", "ptl"}
     assert names["lives"].groupby(["seed", "task"]).size().tolist() == [12] * 12
 

@@ -16,7 +16,7 @@ rule build_explorer:
         report(
             "<reports>/explorer.html",
             caption="../report/explorer.rst",
-            category=section("Explorer"),
+            category="4 Explorer",
             labels={
                 "item": "Explorer",
                 "shows": "values, policies, skills and episodes, to play with",

@@ -157,6 +157,8 @@ class Setting:
 
 
 def _file_part(value: Any) -> str:
+    if isinstance(value, dict):
+        return "_".join(f"{name}_{_file_part(part)}" for name, part in value.items())
     parts = value if isinstance(value, list) else [value]
     return "_".join(str(part).lower() for part in parts)
 

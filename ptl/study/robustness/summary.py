@@ -89,6 +89,8 @@ def value_text(value: object) -> str:
     """Return a value as text."""
     if isinstance(value, list | tuple):
         return f"({', '.join(map(str, value))})"
+    if isinstance(value, dict):
+        return ", ".join(f"{name} {value_text(part)}" for name, part in value.items())
     return str(value).lower() if isinstance(value, bool) else f"{value:g}" if isinstance(value, float) else str(value)
 
 
