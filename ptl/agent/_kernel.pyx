@@ -66,6 +66,7 @@ cdef enum:
     ALL_ACTIONS = 15
     WORDS = 256      # random words drawn at a time
 
+MOST_STATES = 2**32 // SLOTS  # so that an offset into the table of moves fits 32 bits
 cdef int64_t NO_LIMIT = <int64_t>1 << 62
 cdef int64_t CHECK_EVERY = <int64_t>1 << 24  # steps between looks at signals such as Ctrl-C, a fraction of a second
 cdef double TWO_32 = 4294967296.0
@@ -101,6 +102,8 @@ cdef class Dynamics:
             raise ValueError("successors must have the shape (n_states, 4)")
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= len(given):
             raise ValueError("a successor is not a state")
+        if len(given) > MOST_STATES:
+            raise ValueError(f"the kernel holds {MOST_STATES:,} states at most, not {len(given):,}")
         table = np.array(given, dtype=np.uint32, order="C")
         self.n_states = len(table)
         # Entry g of a state's row: the state after action g & 3 and then action g >> 2, as an offset into the moves.
@@ -828,7 +831,10 @@ cdef double checked_value(value) except *:
 
 def checked_values(name, values, shape):
     """Return a copy of values as a contiguous float64 array of a shape, or raise ValueError."""
-    values = np.array(values, dtype=np.float64, order="C")
+    values = np.array(values, order="C")
+    if values.dtype.kind not in "biuf":
+        raise ValueError(f"{name} must hold numbers, not {values.dtype}")
+    values = values.astype(np.float64, copy=False)
     if values.shape != shape:
         raise ValueError(f"{name} must have the shape {shape}, not {values.shape}")
     if not (np.abs(values) <= LARGEST).all():

@@ -65,6 +65,8 @@ def prior_of_distances(
     form, allowed
         As in `prior`.
     """
+    if not unit > 0:
+        raise ValueError(f"the width of the prior must be above 0, not {unit}")
     possible = np.ones(len(distance), dtype=bool) if allowed is None else allowed
     # logarithms relative to the nearest candidate: its own is 0, whatever overflows for the others
     beyond = distance - distance[possible].min()

@@ -17,7 +17,7 @@ SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
 
 
-def breadth_first(int32_t[::1] first, int32_t[::1] neighbours, int32_t[::1] sources):
+def breadth_first(const int32_t[::1] first, const int32_t[::1] neighbours, const int32_t[::1] sources):
     """Steps from the nearest source to every vertex.
 
     Parameters
