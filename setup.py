@@ -1,12 +1,14 @@
 """Builds the compiled parts of ptl; everything else is declared in pyproject.toml."""
 
 import hashlib
+import shutil
 from pathlib import Path
 
 import numpy
 from Cython.Build import cythonize
 from setuptools import Extension, setup
 from setuptools.command.build_ext import build_ext
+from setuptools.command.build_py import build_py
 from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformError
 
 # Sources of each extension, the .pyx first; ptl/files/provenance.py compares their digest with what lies there.
@@ -34,6 +36,18 @@ class BuildWithAdvice(build_ext):
             ) from None
 
 
+class BuildWithWorkflow(build_py):
+    """Puts the workflow into a wheel, where `ptl.deployment` finds it; an editable install uses the checkout's."""
+
+    def run(self) -> None:
+        super().run()
+        if not self.editable_mode:
+            for folder in ("workflow", "profiles"):
+                target = Path(self.build_lib, "ptl", folder)
+                shutil.rmtree(target, ignore_errors=True)
+                shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__"))
+
+
 extensions = [
     Extension(
         name,
@@ -50,4 +64,4 @@ extensions = [
     for name, sources in SOURCES.items()
 ]
 
-setup(ext_modules=cythonize(extensions), cmdclass={"build_ext": BuildWithAdvice})
+setup(ext_modules=cythonize(extensions), cmdclass={"build_ext": BuildWithAdvice, "build_py": BuildWithWorkflow})

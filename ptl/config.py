@@ -282,6 +282,11 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     subgoal_frequencies: SubgoalFrequencies = SubgoalFrequencies()
     robustness: Robustness = Robustness()
 
+    @property
+    def article(self) -> bool:
+        """Whether the run learns maps of the article, so that its claims, numbers and experiments are about the run."""
+        return any(environment.article_items.to_dict() for environment in self.environments.values())
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if twice := repeated(self.methods):

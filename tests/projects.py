@@ -23,14 +23,16 @@ ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 TINY: dict[str, Any] = {
     "run": "tiny",
     "seeds": 2,
-    "environments": {"rooms": {"map": "rooms.txt", "title": "Two rooms", "tasks": "AB"}},
+    "environments": {
+        "rooms": {"map": "rooms.txt", "title": "Two rooms", "tasks": "AB", "article_items": {"measures": "figure13"}}
+    },
     "methods": ["no_transfer", "policy_reuse", "ptl"],
     "learning": {"episodes": 20},
     "statistics": {"resamples": 100},
     "growth": {"environment": "rooms", "tasks": 4, "runs": 2, "breakpoint": 2},
     "subgoal_frequencies": {"trajectories": 3, "starts": 4, "batches": 2},
 }
-"""Configuration of a copy: every kind of job in a few seconds."""
+"""Configuration of a copy: every kind of job in a few seconds, those on the article among them."""
 
 TARGETS = (
     "reports/tiny/tables/per_seed.csv",

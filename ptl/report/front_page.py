@@ -27,7 +27,7 @@ def compose(
     Parameters
     ----------
     claims : DataFrame or None
-        Columns id, verdict, verdict_30; None for a run that judges none.
+        Columns id, verdict, verdict_30; None for a run that is not about the article.
     metrics : DataFrame
         The table of estimates.
     titles, tasks : mapping
@@ -79,6 +79,7 @@ def _facts(
     labels: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return what both forms of the page show."""
+    article = claims is not None
     if claims is None:
         claims = pd.DataFrame(columns=["id", "verdict", "verdict_30"])
     counts, few = (claims[column].value_counts() for column in ("verdict", "verdict_30"))
@@ -86,6 +87,8 @@ def _facts(
     seeds = int(metrics["seeds"].max())
     chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
     return {
+        "article": article,
+        "places": list(titles.values()),
         "total": len(claims),
         "fitted": FITTED,
         "counts": [(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],

@@ -144,11 +144,18 @@ def test_every_module_of_the_registry_is_tested() -> None:
         "subgoal_frequencies": {"starts": "all", "trajectories": 5},
         "environments": {"small": {"title": "", "article_items": {}}},
     }  # fmt: skip
-    modules = {row.module for row in figures(config).values()}
-    assert modules == {*INPUTS, "policy_reuse_experiment"}
-    assert set(figures({**config, "methods": ["no_transfer"]})) == set(figures(config)) - {
+    rows = figures(config, article=True)
+    assert {row.module for row in rows.values()} == {*INPUTS, "policy_reuse_experiment"}
+    assert set(figures({**config, "methods": ["no_transfer"]}, article=True)) == set(rows) - {
         "figure04", "discovery_small", "figure13",
     }  # fmt: skip
+    # away from the article's maps no figure has a number of the article, and none is about it or its sources
+    own = figures(config, article=False)
+    assert set(own) == {
+        "prior", "map_small", "frequencies", "discovery_small", "curves", "measures", "growth", "library_cost"
+    }  # fmt: skip
+    assert all(row.item for row in own.values())
+    assert not any("article" in row.caption or "article" in row.shows for row in own.values())
 
 
 @pytest.mark.parametrize("kind", INPUTS)

@@ -53,8 +53,15 @@ def test_front_page_heads_nothing_with_a_first_task_and_says_why_intervals_are_m
 
 
 def test_front_page_is_proper_restructured_text():
-    html = publish_parts(page(), writer="html", settings_overrides={"halt_level": 2, "report_level": 2})
-    assert "<table" in html["html_body"]
+    for text in (page(), page(claims=None)):
+        html = publish_parts(text, writer="html", settings_overrides={"halt_level": 2, "report_level": 2})
+        assert "<table" in html["html_body"]
+
+
+def test_front_page_of_another_study_is_silent_on_the_article():
+    text = page(claims=None)
+    assert "Environment 1, task F" in text and "0.9 [0.8, 1]" in text
+    assert "article" not in text and "claim" not in text and "Checks" not in text
 
 
 def test_the_page_shows_verdicts_figures_and_tables_and_escapes_names():

@@ -33,7 +33,7 @@ seeds: 2
 environments:
   rooms: {map: rooms.txt, tasks: AB}
   again: {map: rooms.txt, tasks: BA}
-  env1: {map: rooms.txt, tasks: AB}
+  env1: {map: rooms.txt, tasks: AB, article_items: {discovery: figure11}}
 methods: [no_transfer, policy_reuse, ptl]
 growth: {tasks: 9, runs: 2}
 subgoal_frequencies: {batches: 1}

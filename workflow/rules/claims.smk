@@ -52,7 +52,7 @@ rule judge_claims:
         html=report(
             "<reports>/claims.html",
             caption="../report/claims.rst",
-            category="1 Verdicts",
+            category=section("Verdicts"),
             labels={"item": "Claims: verdict and numbers for every claim"},
         ),
     log:
@@ -78,7 +78,7 @@ rule explain_differences:
         html=report(
             "<reports>/differences.html",
             caption="../report/differences.rst",
-            category="1 Verdicts",
+            category=section("Verdicts"),
             labels={
                 "item": "Differences: the article's statements beside our numbers"
             },

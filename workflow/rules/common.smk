@@ -7,7 +7,6 @@ import sys
 from pathlib import Path
 
 from ptl.errors import UserError
-from ptl.files.atomic import remove_unfinished
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
 from ptl.files.provenance import check_build, code_digest
@@ -23,7 +22,8 @@ try:
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
-    config.update(completed(config).to_dict())
+    CONFIGURATION = completed(config)
+    config.update(CONFIGURATION.to_dict())
 except UserError as error:
     refuse(error)
 
@@ -38,20 +38,18 @@ ENVIRONMENTS = list(config["environments"])
 METHODS = config["methods"]
 FOREIGN = config["foreign_results"]
 SEEDS = range(config["seeds"])
+ARTICLE = CONFIGURATION.article
+SECTIONS = (
+    ["Verdicts", "Figures", "Tables", "Explorer", "Checks", "Robustness"]
+    if ARTICLE
+    else ["Figures", "Tables", "Explorer"]
+)
 
 
 pathvars:
     results=f"results/{config['run']}",
     reports=f"reports/{config['run']}",
     logs=f"logs/{config['run']}",
-
-
-onstart:
-    remove_unfinished(f"results/{config['run']}", f"reports/{config['run']}")
-
-
-MISLEADING_MAP = "config/misleading_prior.txt"
-FV_MAP = "config/environments/env3.txt"
 
 
 wildcard_constraints:
@@ -65,6 +63,11 @@ wildcard_constraints:
 def map_of(wildcards):
     """Map file of the environment in the wildcards."""
     return config["environments"][wildcards.environment]["map"]
+
+
+def section(name):
+    """Section of the report; Snakemake shows them in alphabetical order."""
+    return f"{SECTIONS.index(name) + 1} {name}"
 
 
 def groups(*names):

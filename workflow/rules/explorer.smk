@@ -16,7 +16,7 @@ rule build_explorer:
         report(
             "<reports>/explorer.html",
             caption="../report/explorer.rst",
-            category="4 Explorer",
+            category=section("Explorer"),
             labels={
                 "item": "Explorer",
                 "shows": "values, policies, skills and episodes, to play with",

@@ -3,6 +3,8 @@
 
 from ptl.study.policy_reuse_experiment import ARMS
 
+FV_MAP = "config/environments/env3.txt"
+
 
 rule learn_fv:
     input:
@@ -44,7 +46,7 @@ rule policy_reuse_table:
         page=report(
             "<reports>/tables/policy_reuse_fv.html",
             caption="../report/fv.rst",
-            category="5 Checks",
+            category=section("Checks"),
             labels={
                 # as the figure's: Snakemake's report fails where both labels of two items differ
                 "item": FIGURES["policy_reuse_fv"].item,

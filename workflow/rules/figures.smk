@@ -3,37 +3,7 @@
 
 from ptl.report.figures import figures as figure_rows, item_label
 
-FIGURES = figure_rows(config)
-
-
-rule learn_misleading:
-    input:
-        map=MISLEADING_MAP,
-    output:
-        "<results>/misleading_prior/seed_{seed}.h5",
-    log:
-        "<logs>/misleading_prior/seed_{seed}.log",
-    conda:
-        "../envs/ptl.yaml"
-    params:
-        seed=lambda wildcards: int(wildcards.seed),
-        root_seed=config["root_seed"],
-        parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
-        code=code_digest("ptl.learning.life", "ptl.methods.ptl", "ptl.files.results"),
-    message:
-        "Learning the map where the prior misleads, seed {wildcards.seed}"
-    shell:
-        "ptl learn --map {input.map:q} --environment misleading_prior --tasks ABC --method ptl"
-        " --seed {params.seed} --root-seed {params.root_seed}"
-        " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
-
-
-rule misleading_prior_learning:
-    input:
-        expand(
-            "<results>/misleading_prior/seed_{seed:03d}.h5",
-            seed=SEEDS if "ptl" in METHODS else [],
-        ),
+FIGURES = figure_rows(config, ARTICLE)
 
 
 # Input files of a figure by kind, as its row asks for them.
@@ -65,7 +35,7 @@ rule draw_figure:
         png=report(
             "<reports>/figures/{figure}.png",
             caption="../report/figure.rst",
-            category=lambda wildcards: FIGURES[wildcards.figure].category,
+            category=lambda wildcards: section(FIGURES[wildcards.figure].category),
             labels=lambda wildcards: {
                 "item": item_label(wildcards.figure, FIGURES[wildcards.figure]),
                 "shows": FIGURES[wildcards.figure].shows,

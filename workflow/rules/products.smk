@@ -6,7 +6,7 @@ report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
 
 rule front_page:
     input:
-        claims=rules.judge_claims.output.csv,
+        **({"claims": rules.judge_claims.output.csv} if ARTICLE else {}),
         metrics=rules.tabulate.output.metrics,
     output:
         text="<reports>/front_page.rst",
@@ -35,8 +35,7 @@ rule manifest:
     input:
         rules.tables.input,
         rules.figures.input,
-        rules.claims.input,
-        rules.policy_reuse_table.output,
+        [rules.claims.input, rules.policy_reuse_table.output] if ARTICLE else [],
         rules.front_page.output,
         rules.explorer.input,
     output:

@@ -67,14 +67,14 @@ rule report_robustness:
         png=report(
             "<reports>/robustness/heat_map.png",
             caption="../report/robustness.rst",
-            category="6 Robustness",
+            category=section("Robustness"),
             labels={"item": "Robustness", "shows": "every claim in every setting"},
         ),
         twins=multiext("<reports>/robustness/heat_map", ".svg", ".csv"),
         share=report(
             "<reports>/robustness/share.html",
             caption="../report/robustness.rst",
-            category="6 Robustness",
+            category=section("Robustness"),
             labels={
                 "item": "Robustness",
                 "shows": "share of settings in which each claim holds",
@@ -83,7 +83,7 @@ rule report_robustness:
         unknowns=report(
             "<reports>/robustness/unknowns.html",
             caption="../report/robustness.rst",
-            category="6 Robustness",
+            category=section("Robustness"),
             labels={"item": "Robustness", "shows": "unknowns ranked"},
         ),
         tables=expand(

@@ -20,7 +20,7 @@ rule tabulate:
             report(
                 f"<reports>/tables/{table}.html",
                 caption="../report/table.rst",
-                category="3 Tables",
+                category=section("Tables"),
                 labels={"item": label},
             )
             for table, label in TABLES.items()

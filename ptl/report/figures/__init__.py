@@ -16,6 +16,19 @@ from ptl.study.sample_size import note
 NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
 """Methods that the article's learning curves leave out; they would hide the others."""
 
+ARTICLE_NUMBERS = {
+    "prior": "figure03",
+    "misleading_prior": "figure04",
+    "frequencies": "figure08",
+    "curves": "figure12",
+    "measures": "figure13",
+    "growth": "figure14",
+}
+"""What figures that do not belong to one environment are called in a run on the article's maps."""
+
+ARTICLE_ONLY = {"misleading_prior", "policy_reuse_fv"}
+"""Figures that are about the article and its sources, not about the environments of a run."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -53,35 +66,44 @@ class Figure:
     environments: tuple[str, ...] = ()
     methods: tuple[str, ...] = ()
     with_foreign: bool = False
-    category: str = "2 Figures"
+    category: str = "Figures"
     item: str = ""
 
 
-def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
+def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
     """Return the figures of a run by name, in the order of the report.
 
     Parameters
     ----------
     config : mapping
         The complete configuration; a figure that needs a method which is not compared is left out.
+    article : bool
+        Whether maps of the article are run: then the figures have its numbers, and those on the article and its
+        sources are drawn too.
     """
     entries, compared = config["environments"], set(config["methods"])
-    names = tuple(entries)
-    curves = tuple(name for name in config["methods"] if name not in NO_CURVE) or tuple(config["methods"])
+    names, every_method = tuple(entries), tuple(config["methods"])
+    curves = (tuple(name for name in every_method if name not in NO_CURVE) if article else ()) or every_method
     seeds, survey, growth = config["seeds"], config["subgoal_frequencies"], config["growth"]
+    origin = (
+        "The article states a heuristic on similarity with the goal; its form and width are our choice."
+        if article
+        else "Its form and width are those of the configuration."
+    )
     level = f"{100 * config['statistics']['confidence']:g}% bootstrap interval"
 
     rows = {
-        "figure03": Figure(
+        "prior": Figure(
             "prior",
             "prior of a skill by where it ends",
-            "Prior of a skill for one goal, by the cell in which the skill ends, relative to the best cell. The article"
-            " states a heuristic on similarity with the goal; its form and width are our choice. No runs enter.",
+            f"Prior of a skill for one goal, by the cell in which the skill ends, relative to the best cell. {origin}"
+            " No runs enter.",
             needs=("maps",),
             groups=("skills",),
             environments=(_shown_in(entries, "prior"),),
+            item="Prior",
         ),
-        "figure04": Figure(
+        "misleading_prior": Figure(
             "misleading_prior",
             "the likelihood overrules a misleading prior",
             "A small map of our own in which the cell nearest to the goal in a straight line is behind a wall. Left,"
@@ -95,15 +117,15 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             _item(entries, name, "map"): Figure(
                 "maps",
                 f"map of {entries[name]['title']}",
-                "The map with the start I and the goals of the tasks. docs/reconstruction.md says where each drawing"
-                " comes from.",
+                "The map with the start I and the goals of the tasks."
+                + " docs/reconstruction.md says where the drawing comes from." * bool(entries[name]["article_items"]),
                 needs=("maps",),
                 environments=(name,),
                 item="Map",
             )
             for name in names
         },
-        "figure08": Figure(
+        "frequencies": Figure(
             "frequencies",
             "subgoal selection frequencies",
             "How often each state is the subgoal of the original FD metric: tasks from"
@@ -111,6 +133,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             " Q-learning without transfer each. Adjacent states have no state between them and so no subgoal.",
             needs=("survey",),
             environments=names,
+            item="Frequencies",
         ),
         **{
             _item(entries, name, "discovery"): Figure(
@@ -126,7 +149,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             )
             for name in names
         },
-        "figure12": Figure(
+        "curves": Figure(
             "curves",
             "steps per episode on the last task",
             f"Steps per episode on the last task of each environment: mean over {seeds} seeds{note(seeds, level)}, log"
@@ -136,8 +159,9 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             environments=names,
             methods=curves,
             with_foreign=True,
+            item="Curves",
         ),
-        "figure13": Figure(
+        "measures": Figure(
             "measures",
             "the measures of transfer on real curves",
             f"Three measures of transfer drawn on curves of this run (mean over {seeds} seeds): jump start, asymptotic"
@@ -146,8 +170,9 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             groups=("measures",),
             environments=(_shown_in(entries, "measures"),),
             methods=("no_transfer", "ptl"),
+            item="Measures",
         ),
-        "figure14": Figure(
+        "growth": Figure(
             "growth",
             "growth of the skill library",
             "Skills in the library against tasks learned, random start and goal for each task: mean over"
@@ -155,6 +180,7 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             f" {growth['breakpoint']} tasks.",
             needs=("growth",),
             groups=("growth", "statistics"),
+            item="Growth",
         ),
         "library_cost": Figure(
             "library_cost",
@@ -174,11 +200,15 @@ def figures(config: Mapping[str, Any]) -> dict[str, Figure]:
             " the source are listed under the table policy_reuse_fv.",
             needs=("policy_reuse_experiment",),
             groups=("statistics",),
-            category="5 Checks",
+            category="Checks",
             item="Policy reuse",
         ),
     }
-    return {name: row for name, row in rows.items() if set(row.methods) <= compared}
+    return {
+        ARTICLE_NUMBERS.get(kind, kind) if article else kind: row
+        for kind, row in rows.items()
+        if set(row.methods) <= compared and (article or kind not in ARTICLE_ONLY)
+    }
 
 
 def item_label(name: str, row: Figure) -> str:
