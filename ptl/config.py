@@ -212,7 +212,10 @@ class Statistics(Group, frozen=True, kw_only=True):
 class Decision(Group, frozen=True, kw_only=True):
     """Runs that decide the claims, beside those of the tables."""
 
-    seeds: Annotated[int, key("Learning runs per environment and method.", ge=1, le=10**5)] = 400
+    seeds: Annotated[int, key("Learning runs per environment and method.", ge=1, le=10**5)] = 2000
+    full_transfer_seeds: Annotated[
+        int, key("The same of full transfer, whose runs take ten times as long.", ge=1, le=10**5)
+    ] = 400
     growth_runs: Annotated[int, key("Lives of the growing library.", ge=1, le=10**5)] = 400
 
 

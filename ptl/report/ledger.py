@@ -54,8 +54,8 @@ FITTED = (
 """What a reader of any verdict must know of the published maps and settings."""
 
 
-def run_text(seeds: int, few: int, statistics: Any) -> str:
-    """Describe the runs that a ledger judges: those that decide, and those of the tables."""
+def run_text(seeds: int, few: int, statistics: Any, full_transfer: int = 0) -> str:
+    """Describe the runs that a ledger judges: those that decide, those of full transfer, and those of the tables."""
     resampling = (
         f"{percent(statistics.confidence)} intervals in brackets (bootstrap, {number(statistics.resamples)} resamples,"
         " paired by seed where methods are compared; Wilson for shares of runs)."
@@ -63,7 +63,7 @@ def run_text(seeds: int, few: int, statistics: Any) -> str:
     if seeds == few:
         return f"Checked on this run: {number(few)} seeds; {resampling}"
     return (
-        f"Verdicts and numbers rest on {number(seeds)} seeds, others than the {number(few)} of the tables; first"
+        f"Verdicts and numbers rest on {number(seeds)} seeds (full transfer: {number(full_transfer)}), others than the {number(few)} of the tables; first"
         " episodes are compared with the exact expectation of those without transfer. Beside each verdict is what the"
         f" {number(few)} seeds of the tables say alone. {resampling}"
     )

@@ -13,7 +13,7 @@ from typing import Any
 from ptl.config import Configuration, Parameters
 from ptl.errors import UserError
 from ptl.files.remedies import make_again
-from ptl.study.claims.comparisons import OTHERS, VARIANTS
+from ptl.study.claims.comparisons import FULL, OTHERS, VARIANTS
 from ptl.study.claims.curves import ENVIRONMENTS
 from ptl.study.evidence import Evidence
 from ptl.study.robustness.running import COMPLETE
@@ -36,11 +36,13 @@ def decision_jobs(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     common = {
         "group": GROUP,
         "changes": {},
-        "seeds": run.decision.seeds,
         "root_seed": run.root_seed,
         "parameters": {group: getattr(run, group).to_dict() for group in Parameters.__struct_fields__},
-        "step_budget": run.learning.max_steps * run.learning.episodes * run.decision.seeds,
     }
+
+    def effort(seeds: int) -> dict[str, int]:
+        return {"seeds": seeds, "step_budget": run.learning.max_steps * run.learning.episodes * seeds}
+
     environments = {
         name: {"map": entry.map, "tasks": entry.tasks, "changes": {}} for name, entry in run.environments.items()
     }
@@ -50,6 +52,7 @@ def decision_jobs(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
             "environments": {name: environments[name]},
             "methods": [method],
             "growth": growth | {"runs": 0},
+            **effort(run.decision.full_transfer_seeds if method == FULL else run.decision.seeds),
         }
         for name in environments
         if name in ENVIRONMENTS
@@ -61,6 +64,7 @@ def decision_jobs(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
             "environments": {run.growth.environment: environments[run.growth.environment]},
             "methods": [],
             "growth": growth | {"runs": run.decision.growth_runs},
+            **effort(run.decision.seeds),
         }
     return {name: {"setting": name, **common, **job} for name, job in jobs.items()}
 

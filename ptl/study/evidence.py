@@ -141,6 +141,17 @@ class Evidence:
             raise Lacking(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
         return self.steps[environment, method, task]
 
+    def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""
+        found = [self.curve(environment, method, task) for method in methods]
+        seeds = [self._frame(environment, task, method).index for method in methods]
+        common = seeds[0].intersection(seeds[1])
+        _check_number(len(common), f"{environment} {task} {' and '.join(methods)}")
+        one, other = (curve[own.isin(common)] for curve, own in zip(found, seeds, strict=True))
+        if one.shape != other.shape:
+            raise Lacking(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
+        return one, other
+
     def world(self, environment: str) -> GridWorld:
         """Return the map of an environment."""
         if environment not in self.worlds:

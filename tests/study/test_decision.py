@@ -60,13 +60,15 @@ def configuration(**changes: object) -> dict:
     environments["mine"] = environments["env2"]
     given = {"run": "x", "environments": environments, "methods": ["no_transfer", "ptl"],
              "learning": {"episodes": 12}, "growth": {"environment": "env3", "tasks": 8},
-             "decision": {"seeds": 10, "growth_runs": 10}, "measures": {"window": 10}}  # fmt: skip
+             "decision": {"seeds": 12, "full_transfer_seeds": 10, "growth_runs": 10}, "measures": {"window": 10}}  # fmt: skip
     return Configuration.from_dict(given | changes).to_dict()
 
 
 def test_only_what_claims_speak_of_is_decided() -> None:
     jobs = decision_jobs(configuration())
     assert set(jobs) == {"env2_no_transfer", "env2_ptl", "env3_no_transfer", "env3_ptl", "growth"}
+    slow = decision_jobs(configuration(methods=["no_transfer", "full_transfer"]))
+    assert [slow[f"env2_{method}"]["seeds"] for method in ("no_transfer", "full_transfer")] == [12, 10]
     assert not decision_jobs(configuration(environments={"mine": {"map": "x"}}, growth={"environment": "mine"}))
 
 
@@ -86,7 +88,7 @@ def test_decision_compares_first_episodes_with_their_expectation(decided: dict) 
     world = evidence.world("env2")
     expected = first_episode_without_transfer(world, world.goal("B"))
     first = evidence.values("env2", "B", "ptl", "first_episode")
-    assert len(first) == 10
+    assert len(first) == 12
     np.testing.assert_allclose(evidence.values("env2", "B", "ptl", "jump_start"), expected - first)
     assert set(evidence.values("env2", "B", "no_transfer", "first_episode")) == {expected}
     assert evidence.needed("growth").shape == (10, 9)
@@ -95,7 +97,7 @@ def test_decision_compares_first_episodes_with_their_expectation(decided: dict) 
 def test_unfinished_decision_is_refused(tmp_path, decided: dict) -> None:
     job = decision_jobs(configuration())["env2_ptl"] | {"step_budget": 1}
     run_setting(job, tmp_path / "env2_ptl.h5")
-    with pytest.raises(UserError, match=r"did not finish .*given up after 1 of 10"):
+    with pytest.raises(UserError, match=r"did not finish .*given up after 1 of 12"):
         read_decision([tmp_path / "env2_ptl.h5"], GROUPS)
 
 

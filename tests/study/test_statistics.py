@@ -295,3 +295,14 @@ def test_rows_keep_their_order():
 def test_missing_per_seed_table_is_named(tmp_path):
     with pytest.raises(UserError, match=r"nowhere\.csv"):
         statistics.read_per_seed(tmp_path / "nowhere.csv")
+
+
+def test_probability_of_improvement_counts_every_pair_once():
+    """Against all pairs written out, for samples of different sizes and in each resample of a batch."""
+    random = np.random.default_rng(4)
+    lower, upper = random.integers(0, 6, (3, 5, 9)), random.integers(0, 6, (3, 5, 4))
+    left, right = lower[..., :, np.newaxis], upper[..., np.newaxis, :]
+    expected = ((left < right) + 0.5 * (left == right)).mean(axis=(-2, -1))
+    np.testing.assert_allclose(statistics._probability_of_being_lower(lower, upper), expected)
+    moved = statistics._probability_of_being_lower(np.moveaxis(lower, -1, 0), np.moveaxis(upper, -1, 0), axis=0)
+    np.testing.assert_allclose(moved, expected)

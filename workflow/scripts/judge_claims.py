@@ -19,7 +19,7 @@ with running(snakemake) as job:
         costs = {name: getattr(evidence, name) for name in ("selection_cost", "library_bytes")}
         deciding = read_decision(job.input.decision, job.groups, **costs)
         judgements, seeds = judge(deciding), deciding.n_seeds()
-    run = ledger.run_text(seeds, evidence.n_seeds(), job.groups.statistics)
+    run = ledger.run_text(seeds, evidence.n_seeds(), job.groups.statistics, job.groups.decision.full_transfer_seeds)
     write_csv(ledger.to_frame(judgements, few), job.output.csv, sealed=True)
     write_csv(ledger.to_parts_frame(judgements, few), job.output.parts, sealed=True)
     write_text(job.output.md, ledger.to_markdown(judgements, few, run))

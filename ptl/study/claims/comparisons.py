@@ -105,9 +105,11 @@ def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) 
 
 def times_as_many_episodes(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
     """Return the mean episodes to threshold of the other method over those of the method."""
-    own, others = (episodes_to_threshold(evidence, environment, task, name) for name in (method, other))
-    if len(own) != len(others):
-        raise Lacking(f"{environment}: methods {method} and {other} have different seeds")
+    own, others = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
+    own, others = (
+        np.nan_to_num(found, nan=float(evidence.curve(environment, name, task).shape[1]))
+        for found, name in ((own, method), (others, other))
+    )
     generator = named_generator(environment, task, method, other, "times_as_many_episodes")
     return statistics.ratio_of_means(others, own, evidence.how, generator)
 

@@ -33,12 +33,6 @@ def spikes(curve: np.ndarray, length: int) -> np.ndarray:
     return np.count_nonzero(curve[:, length:] >= SPIKE * np.median(before, axis=2), axis=1)
 
 
-def same_seeds(one: np.ndarray, other: np.ndarray, environment: str) -> None:
-    """Refuse to pair curves of different seeds or lengths."""
-    if one.shape != other.shape:
-        raise Lacking(f"{environment}: the methods to compare have different seeds or episodes")
-
-
 @claim(
     "curves",
     "In environments 1 and 2 the learning curve of PTL on task F lies below that of every other method.",
@@ -47,10 +41,8 @@ def same_seeds(one: np.ndarray, other: np.ndarray, environment: str) -> None:
 def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
     """Yield one part for each environment, other method and block of episodes; by the plain reading, for the whole."""
     for environment in ("env1", "env2"):
-        own = evidence.curve(environment, c.PTL, c.LAST_TASK)
         for other in c.OTHERS:
-            theirs = evidence.curve(environment, other, c.LAST_TASK)
-            same_seeds(own, theirs, environment)
+            own, theirs = evidence.curves(environment, (c.PTL, other), c.LAST_TASK)
             their_blocks = blocks(theirs, evidence.window)
             saved = their_blocks - blocks(own, evidence.window)
             for index, values in enumerate(saved.T):
@@ -75,9 +67,8 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
 def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
     """Compare task F of each environment; a spike is relative to the episodes just before it."""
     for environment in ENVIRONMENTS:
-        reuse = spikes(evidence.curve(environment, c.REUSE, c.LAST_TASK), evidence.window)
-        base = spikes(evidence.curve(environment, c.BASE, c.LAST_TASK), evidence.window)
-        same_seeds(reuse, base, environment)
+        curves = evidence.curves(environment, (c.REUSE, c.BASE), c.LAST_TASK)
+        reuse, base = (spikes(curve, evidence.window) for curve in curves)
         yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST)
         generator = named_generator(environment, c.REUSE, "spikes")
         more = statistics.mean_difference(reuse, base, evidence.how, generator)
