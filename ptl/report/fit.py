@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -88,4 +88,38 @@ def halves_table(halves: pd.DataFrame) -> Table:
         rows,
         ("The halves are in config/fit.yaml: every second claim of the ledger.",),
         (headings[1],),
+    )
+
+
+def claims_table(tried: pd.DataFrame, halves: Sequence[Sequence[str]]) -> Table:
+    """Lay out the verdict on each claim by settings that were chosen with it and by the one that was chosen without it.
+
+    Parameters
+    ----------
+    tried : DataFrame
+        ``tried.csv``: settings judged on all claims in the final stage, with ``chosen_by``.
+    halves : two sequences of str
+        Claims of either half.
+    """
+    final = tried[(tried["stage"] == FINAL)].fillna({"chosen_by": ""})
+    reference = final[(final["changes"] == 0)]
+    names = ("all claims", "first half", "second half")
+    choices = [
+        final[final["chosen_by"].str.split("; ").apply(lambda chosen, name=name: name in chosen)] for name in names
+    ]
+    first, everything, by_first, by_second = (json.loads(rows["verdicts"].iloc[0]) for rows in (reference, *choices))
+    rows = [
+        (claim, half, first[claim], everything[claim], (by_first if half == "second" else by_second)[claim])
+        for half, claims in zip(("first", "second"), halves, strict=True)
+        for claim in claims
+    ]
+    order = list(everything)
+    headings = ("claim", "half", "first reference", "chosen by all claims", "chosen without this claim")
+    return text_table(
+        "Each claim with and without a say in the choice",
+        "The last column is the check: the setting there was chosen by the half to which the claim does not belong.",
+        headings,
+        sorted(rows, key=lambda row: order.index(row[0])),
+        ("Verdicts of the final stage of the search; those of the published run rest on more seeds and others.",),
+        headings[1:],
     )

@@ -63,9 +63,9 @@ def run_text(seeds: int, few: int, statistics: Any, full_transfer: int = 0) -> s
     if seeds == few:
         return f"Checked on this run: {number(few)} seeds; {resampling}"
     return (
-        f"Verdicts and numbers rest on {number(seeds)} seeds (full transfer: {number(full_transfer)}), others than the {number(few)} of the tables; first"
-        " episodes are compared with the exact expectation of those without transfer. Beside each verdict is what the"
-        f" {number(few)} seeds of the tables say alone. {resampling}"
+        f"Verdicts and numbers rest on {number(seeds)} seeds (full transfer: {number(full_transfer)}), others than the"
+        f" {number(few)} of the tables; first episodes are compared with the exact expectation of those without"
+        f" transfer. Beside each verdict is what the {number(few)} seeds of the tables say alone. {resampling}"
     )
 
 

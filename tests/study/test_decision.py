@@ -60,7 +60,8 @@ def configuration(**changes: object) -> dict:
     environments["mine"] = environments["env2"]
     given = {"run": "x", "environments": environments, "methods": ["no_transfer", "ptl"],
              "learning": {"episodes": 12}, "growth": {"environment": "env3", "tasks": 8},
-             "decision": {"seeds": 12, "full_transfer_seeds": 10, "growth_runs": 10}, "measures": {"window": 10}}  # fmt: skip
+             "decision": {"seeds": 12, "full_transfer_seeds": 10, "growth_runs": 10},
+             "measures": {"window": 10}}  # fmt: skip
     return Configuration.from_dict(given | changes).to_dict()
 
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import yaml
 from projects import ROOT
@@ -14,7 +15,7 @@ from projects import ROOT
 from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.configuration import completed
-from ptl.report.fit import FINAL, SCREEN, halves_table, setting_text, settings_table
+from ptl.report.fit import FINAL, SCREEN, claims_table, halves_table, setting_text, settings_table
 from ptl.report.table import to_markdown
 from ptl.study import claims
 from ptl.study.claims.claim import Claim, Judgement
@@ -206,7 +207,21 @@ def test_pages_describe_settings_in_words(small: tuple) -> None:
     assert halves["half"].tolist() == ["first", "second"]
     assert (halves["claims_chosen_on"] + halves["claims_checked_on"]).tolist() == [22, 22]
     assert "had not seen" in to_markdown(halves_table(halves))
+    claims = to_markdown(claims_table(tried, read_halves(small)))
+    assert all(f"| {name} |" in claims for half in read_halves(small) for name in half)
     assert setting_text("{}", '{"env1": {}}') == "first reference"
     assert setting_text('{"a.b": 2}', '{"env1": {"chain": {"size": 3}}, "env3": {"start": [1, 2]}}').splitlines() == [
         "a.b = 2", "env1: chain, size 3", "env3: start [1, 2]",
     ]  # fmt: skip
+
+
+def test_a_claim_is_checked_on_the_setting_that_it_did_not_choose() -> None:
+    """Each verdict names its setting, so the table shows whose it took."""
+    rows = [("reference", 0, "", "a"), ("both", 3, "all claims; second half", "b"), ("one", 2, "first half", "c")]
+    tried = pd.DataFrame(
+        {"stage": FINAL, "changes": changes, "chosen_by": chosen, "verdicts": json.dumps(dict.fromkeys("XY", verdict))}
+        for _, changes, chosen, verdict in rows
+    )
+    page = to_markdown(claims_table(tried, [["X"], ["Y"]]))
+    assert "| X | first | a | b | b |" in page
+    assert "| Y | second | a | b | c |" in page

@@ -31,17 +31,19 @@ rule report_fit:
     input:
         tried=rules.search_fit.output.tried,
         halves=rules.search_fit.output.halves,
+        search=rules.search_fit.input.search,
     output:
         page="<reports>/fit/fit.md",
         pages=expand(
-            "<reports>/fit/{table}.html", table=["decided", "halves", "screened"]
+            "<reports>/fit/{table}.html",
+            table=["decided", "halves", "claims", "screened"],
         ),
     log:
         "<logs>/fit/report.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        code=code_digest("ptl.report.fit"),
+        code=code_digest("ptl.report.fit", "ptl.study.fit"),
     message:
         "Describing the search"
     script:

@@ -4,15 +4,17 @@ from pathlib import Path
 
 from ptl.files.atomic import write_text
 from ptl.files.csv import read_csv
-from ptl.report.fit import FINAL, SCREEN, halves_table, settings_table
+from ptl.report.fit import FINAL, SCREEN, claims_table, halves_table, settings_table
 from ptl.report.job import running
 from ptl.report.table import to_html, to_markdown
+from ptl.study.fit import read_search
 
 with running(snakemake) as job:
     tried = read_csv(job.input.tried)
     tables = {
         "decided": settings_table(tried, FINAL),
         "halves": halves_table(read_csv(job.input.halves)),
+        "claims": claims_table(tried, read_search(job.input.search).halves),
         "screened": settings_table(tried, SCREEN),
     }
     folder = Path(job.output.page).parent
