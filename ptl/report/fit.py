@@ -39,23 +39,23 @@ def settings_table(tried: pd.DataFrame, stage: str) -> Table:
     own = own.sort_values(["reproduced", "parts_failing", "changes"], ascending=[False, True, True], kind="stable")
     rows = [
         (
-            setting_text(row["learner"], row["drawings"]), f"{row['reproduced']} of {row['claims']}",
+            str(rank), setting_text(row["learner"], row["drawings"]), f"{row['reproduced']} of {row['claims']}",
             str(row["parts_failing"]), str(row["changes"]), row["chosen_by"],
         )
-        for row in own.to_dict("records")
+        for rank, row in enumerate(own.to_dict("records"), start=1)
     ]  # fmt: skip
     title, what = {
         FINAL: ("Settings decided", "The finalists, with random numbers that the search had not used"),
         SCREEN: ("Settings screened", "Each learner with its best drawings"),
     }[stage]
-    headings = ("setting", "claims reproduced", "parts failing", "changes", "chosen by")
+    headings = ("rank", "setting", "claims reproduced", "parts failing", "changes", "chosen by")
     return text_table(
         title,
         f"{what}: {own['seeds'].iloc[0]} seeds each. {RULE} Claims that no setting can change are left out.",
         headings,
         rows,
         ("Every setting of every stage: tried.csv. The numbers behind the settings decided: parts.csv.",),
-        (headings[-1],),
+        (headings[1], headings[-1]),
     )
 
 
