@@ -216,6 +216,12 @@ class Decision(Group, frozen=True, kw_only=True):
     full_transfer_seeds: Annotated[
         int, key("The same of full transfer, whose runs take ten times as long.", ge=1, le=10**5)
     ] = 400
+    no_transfer_seeds: Annotated[
+        int,
+        key(
+            "The same of no transfer, where one late episode in thousands is a thousand times as long.", ge=1, le=10**5
+        ),
+    ] = 5000
     growth_runs: Annotated[int, key("Lives of the growing library.", ge=1, le=10**5)] = 400
 
 

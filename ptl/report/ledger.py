@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -54,18 +54,20 @@ FITTED = (
 """What a reader of any verdict must know of the published maps and settings."""
 
 
-def run_text(seeds: int, few: int, statistics: Any, full_transfer: int = 0) -> str:
-    """Describe the runs that a ledger judges: those that decide, those of full transfer, and those of the tables."""
+def run_text(seeds: int, few: int, statistics: Any, others: Mapping[str, int] | None = None) -> str:
+    """Describe the runs that a ledger judges: those that decide, ``others`` by method, and those of the tables."""
     resampling = (
         f"{percent(statistics.confidence)} intervals in brackets (bootstrap, {number(statistics.resamples)} resamples,"
         " paired by seed where methods are compared; Wilson for shares of runs)."
     )
     if seeds == few:
         return f"Checked on this run: {number(few)} seeds; {resampling}"
+    exceptions = ", ".join(f"{method.replace('_', ' ')}: {number(own)}" for method, own in (others or {}).items())
+    exceptions = f" ({exceptions})" if exceptions else ""
     return (
-        f"Verdicts and numbers rest on {number(seeds)} seeds (full transfer: {number(full_transfer)}), others than the"
-        f" {number(few)} of the tables; first episodes are compared with the exact expectation of those without"
-        f" transfer. Beside each verdict is what the {number(few)} seeds of the tables say alone. {resampling}"
+        f"Verdicts and numbers rest on {number(seeds)} seeds{exceptions}, others than the {number(few)} of the tables;"
+        " first episodes are compared with the exact expectation of those without transfer. Beside each verdict is what"
+        f" the {number(few)} seeds of the tables say alone. {resampling}"
     )
 
 

@@ -16,6 +16,7 @@ from ptl.files.remedies import make_again
 from ptl.study.claims.comparisons import FULL, OTHERS, VARIANTS
 from ptl.study.claims.curves import ENVIRONMENTS
 from ptl.study.evidence import Evidence
+from ptl.study.measures import BASE
 from ptl.study.robustness.running import COMPLETE
 from ptl.study.robustness.verdicts import evidence_of
 
@@ -40,8 +41,10 @@ def decision_jobs(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
         "parameters": {group: getattr(run, group).to_dict() for group in Parameters.__struct_fields__},
     }
 
-    def effort(seeds: int) -> dict[str, int]:
-        return {"seeds": seeds, "step_budget": run.learning.max_steps * run.learning.episodes * seeds}
+    seeds = {FULL: run.decision.full_transfer_seeds, BASE: run.decision.no_transfer_seeds}
+
+    def effort(number: int) -> dict[str, int]:
+        return {"seeds": number, "step_budget": run.learning.max_steps * run.learning.episodes * number}
 
     environments = {
         name: {"map": entry.map, "tasks": entry.tasks, "changes": {}} for name, entry in run.environments.items()
@@ -52,7 +55,7 @@ def decision_jobs(config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
             "environments": {name: environments[name]},
             "methods": [method],
             "growth": growth | {"runs": 0},
-            **effort(run.decision.full_transfer_seeds if method == FULL else run.decision.seeds),
+            **effort(seeds.get(method, run.decision.seeds)),
         }
         for name in environments
         if name in ENVIRONMENTS

@@ -60,7 +60,7 @@ def configuration(**changes: object) -> dict:
     environments["mine"] = environments["env2"]
     given = {"run": "x", "environments": environments, "methods": ["no_transfer", "ptl"],
              "learning": {"episodes": 12}, "growth": {"environment": "env3", "tasks": 8},
-             "decision": {"seeds": 12, "full_transfer_seeds": 10, "growth_runs": 10},
+             "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10},
              "measures": {"window": 10}}  # fmt: skip
     return Configuration.from_dict(given | changes).to_dict()
 
@@ -68,8 +68,9 @@ def configuration(**changes: object) -> dict:
 def test_only_what_claims_speak_of_is_decided() -> None:
     jobs = decision_jobs(configuration())
     assert set(jobs) == {"env2_no_transfer", "env2_ptl", "env3_no_transfer", "env3_ptl", "growth"}
-    slow = decision_jobs(configuration(methods=["no_transfer", "full_transfer"]))
-    assert [slow[f"env2_{method}"]["seeds"] for method in ("no_transfer", "full_transfer")] == [12, 10]
+    jobs = decision_jobs(configuration(methods=["no_transfer", "full_transfer", "ptl"]))
+    seeds = [jobs[f"env2_{method}"]["seeds"] for method in ("no_transfer", "full_transfer", "ptl")]
+    assert seeds == [14, 10, 12]
     assert not decision_jobs(configuration(environments={"mine": {"map": "x"}}, growth={"environment": "mine"}))
 
 

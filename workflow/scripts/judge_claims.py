@@ -14,12 +14,13 @@ with running(snakemake) as job:
     files = {name: str(getattr(job.input, name)) for name in FILES}
     evidence = read_evidence(job.worlds, job.groups, **files)
     few = judge(evidence)
-    judgements, seeds = few, evidence.n_seeds()
+    judgements, run = few, ledger.run_text(evidence.n_seeds(), evidence.n_seeds(), job.groups.statistics)
     if job.input.decision:
         costs = {name: getattr(evidence, name) for name in ("selection_cost", "library_bytes")}
-        deciding = read_decision(job.input.decision, job.groups, **costs)
-        judgements, seeds = judge(deciding), deciding.n_seeds()
-    run = ledger.run_text(seeds, evidence.n_seeds(), job.groups.statistics, job.groups.decision.full_transfer_seeds)
+        judgements = judge(read_decision(job.input.decision, job.groups, **costs))
+        decision = job.groups.decision
+        others = {"no_transfer": decision.no_transfer_seeds, "full_transfer": decision.full_transfer_seeds}
+        run = ledger.run_text(decision.seeds, evidence.n_seeds(), job.groups.statistics, others)
     write_csv(ledger.to_frame(judgements, few), job.output.csv, sealed=True)
     write_csv(ledger.to_parts_frame(judgements, few), job.output.parts, sealed=True)
     write_text(job.output.md, ledger.to_markdown(judgements, few, run))
