@@ -62,7 +62,8 @@ def run_text(seeds: int, few: int, statistics: Any, others: Mapping[str, int] | 
     )
     if seeds == few:
         return f"Checked on this run: {number(few)} seeds; {resampling}"
-    exceptions = ", ".join(f"{method.replace('_', ' ')}: {number(own)}" for method, own in (others or {}).items())
+    others = {method.replace("_", " "): own for method, own in (others or {}).items() if own != seeds}
+    exceptions = ", ".join(f"{method}: {number(own)}" for method, own in others.items())
     exceptions = f" ({exceptions})" if exceptions else ""
     return (
         f"Verdicts and numbers rest on {number(seeds)} seeds{exceptions}, others than the {number(few)} of the tables;"
