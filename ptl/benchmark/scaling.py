@@ -45,10 +45,6 @@ class Plan:
     fit_tasks: int = 10
 
 
-SMALL = Plan((100, 300, 1000), (100, 300), (1, 10, 30), 20, 40, 500, 100, 1, 1)
-"""Sizes of a trial run: every number is measured, none says much."""
-
-
 def measure(map_path: Path, plan: Plan, say: Callable[[str], None] = lambda _: None) -> pd.DataFrame:
     """Make all measurements of a plan, each in a process of its own.
 

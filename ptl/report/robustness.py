@@ -14,8 +14,6 @@ from ptl.study.robustness.summary import SIGNIFICANT, changed_text
 from ptl.study.robustness.verdicts import NOT_VARIED, TARGETS, Target
 from ptl.text import MISSING, interval, number, percent
 
-GROUP_NAMES = {REFERENCE: "reference", ONE_AT_A_TIME: "one at a time", LATIN_HYPERCUBE: "all at once"}
-
 
 def share_table(shares: pd.DataFrame, settings: pd.DataFrame) -> Table:
     """Lay out the share of settings in which each claim holds, and the unknowns that affect it."""

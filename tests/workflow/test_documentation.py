@@ -84,6 +84,21 @@ def test_commands_that_are_named_exist(page: str) -> None:
         assert name in targets, f"{page}: there is no command 'make {name}'"
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_files_that_are_named_exist(page: str) -> None:
+    text = text_of(page)
+    known = {"ptl/GridWorld-v0", *re.findall(r"Save this(?: one)? as\s+`([^`]+)`", text)}  # to be made by the reader
+    named = set(re.findall(r"`((?:ptl|docs|workflow|config|tests|examples|profiles)/[\w./-]+)`", text))
+    modules = {name.replace(".", "/") for name in re.findall(r"`(ptl(?:\.[a-z_0-9]+)+)`", text)}
+    missing = {name for name in named - known if not (ROOT / name).exists()}
+    missing |= {
+        name
+        for name in modules
+        if not any((ROOT / f"{part}{end}").exists() for part in (name, name.rpartition("/")[0]) for end in (".py", ""))
+    }
+    assert not missing, f"{page} names what is not there"
+
+
 def test_results_in_the_readme_are_those_of_the_published_run() -> None:
     assert text_of("README.md") == filled(text_of("README.md"), ROOT / "reports/published"), "run: make docs"
 
@@ -120,6 +135,12 @@ def test_reconstruction_gives_the_sizes_of_the_maps(published_maps: dict) -> Non
 
 
 # -- architecture
+
+
+def test_every_room_has_its_row() -> None:
+    rooms = {path.parent.name + "/" for path in (ROOT / "ptl").glob("*/*.py")}
+    modules = {path.name for path in (ROOT / "ptl").glob("*.py") if not path.name.startswith("__")}
+    assert first_column(section("docs/architecture.md", "Rooms")) == rooms | modules
 
 
 def test_diagram_shows_rules_that_depend_on_each_other() -> None:

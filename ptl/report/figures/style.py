@@ -36,7 +36,6 @@ FLOOR = "#ffffff"
 START = "#0f7f8c"
 GOAL = "#b3361e"
 ACCENT = "#0f7f8c"
-CONTRAST = "#c2571a"
 """Colours that are not those of a method (methods carry their own): text, lines, map cells and emphasis."""
 
 CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#1f3d7a", "#a8244f", "#2f6b1e")
