@@ -46,7 +46,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         "verdict",
         "on the tables' seeds",
         "reproduced in",
-        "hangs on",
+        "most affected by",
     )
     return text_table(
         "The article and this run",
@@ -58,8 +58,8 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
             "The article's tables and figures are lost, so only statements of its running text can be compared.",
             FITTED,
             "Reproduced in: share of the settings of the robustness study, with one unknown moved and with all moved at"
-            " once; hangs on: the unknown that affects the claim most there. With few seeds a setting many parts stay"
-            " open.",
+            " once; most affected by: the unknown that moves the claim most there. With few seeds a setting many parts"
+            " stay open.",
         ],
         headings[1:],
     )

@@ -8,7 +8,7 @@ import pandas as pd
 
 from ptl.files.csv import read_csv
 from ptl.study.claims.verdict import Verdict
-from ptl.text import estimate, number
+from ptl.text import estimate, number, percent
 
 TASK = "F"
 """Task of the first table: the last and hardest one of each environment."""
@@ -22,18 +22,20 @@ def result(published: Path) -> str:
     metrics = read_csv(published / "tables/metrics.csv")
     found = metrics[metrics["task"] == TASK].set_index(["environment", "method", "metric"])
 
-    def ours(environment: str, metric: str, method: str = "ptl", percent: bool = False) -> str:
+    def ours(environment: str, metric: str, method: str = "ptl", as_percent: bool = False) -> str:
         row = found.loc[environment, method, metric]
-        factor = 100 if percent and metric == "transfer_ratio" else 1
+        factor = 100 if as_percent and metric == "transfer_ratio" else 1
         value, low, high = (round(factor * row[name], 1) for name in ("mean", "ci_low", "ci_high"))
-        return estimate(value, low, high, "%" if percent else "")
+        return estimate(value, low, high, "%" if as_percent else "")
 
     def mean(environment: str, metric: str, method: str) -> str:
         return number(round(found.loc[environment, method, metric]["mean"]))
 
     counts = read_csv(published / "claims.csv")["verdict"].value_counts()
     verdicts = ", ".join(f"{counts[verdict]} {verdict}" for verdict in map(str, Verdict) if verdict in counts)
-    first, second, third = (f"{ours(f'env{i}', 'transfer_ratio', percent=True)} in environment {i}" for i in (1, 2, 3))
+    first, second, third = (
+        f"{ours(f'env{i}', 'transfer_ratio', as_percent=True)} in environment {i}" for i in (1, 2, 3)
+    )
     sentence = (
         f"**Result.** On task {TASK}, the last and hardest, PTL saves {first}, {second} and {third} of the steps that"
         f" learning from nothing takes (mean of {int(found['seeds'].max())} runs). Of the article's"
@@ -41,17 +43,17 @@ def result(published: Path) -> str:
         " [chosen because they fit these claims](docs/reconstruction.md#choices-made-because-they-fit)."
     )
     others = f"{mean('env1', 'asymptotic', 'no_transfer')} and {mean('env1', 'asymptotic', 'full_transfer')}"
-    reached = found.loc["env1", "ptl", "threshold_episode"]["reached"]
+    reached = percent(round(found.loc["env1", "ptl", "threshold_episode"]["reached"], 2))
     rows = [
-        ("1", "PTL: first episode shorter", "about 80 to 90%", ours("env1", "jump_start_percent", percent=True)),
-        ("1", "PTL: episodes until learned", "about 80", f"{ours('env1', 'threshold_episode')}, {reached:.0%} of runs"),
-        ("1", "PTL: total steps saved", "more than 90%", ours("env1", "transfer_ratio", percent=True)),
+        ("1", "PTL: first episode shorter", "about 80 to 90%", ours("env1", "jump_start_percent", as_percent=True)),
+        ("1", "PTL: episodes until learned", "about 80", f"{ours('env1', 'threshold_episode')}, {reached} of runs"),
+        ("1", "PTL: total steps saved", "more than 90%", ours("env1", "transfer_ratio", as_percent=True)),
         ("1", "PTL: steps per episode at the end", "fewer than with no and with full transfer",
          f"{ours('env1', 'asymptotic')}; {others}"),
         ("1", "full transfer: total steps saved", "negative", ours("env1", "transfer_ratio", "full_transfer", True)),
         ("2", "full transfer: total steps saved", "positive", ours("env2", "transfer_ratio", "full_transfer", True)),
-        ("3", "PTL: first episode shorter", "not improved", ours("env3", "jump_start_percent", percent=True)),
-        ("3", "PTL: total steps saved", "more than 50%", ours("env3", "transfer_ratio", percent=True)),
+        ("3", "PTL: first episode shorter", "not improved", ours("env3", "jump_start_percent", as_percent=True)),
+        ("3", "PTL: total steps saved", "more than 50%", ours("env3", "transfer_ratio", as_percent=True)),
     ]  # fmt: skip
     pages = [f"[{name}](reports/published/{file})" for name, file in PAGES.items() if (published / file).is_file()]
     look = [f"Look without building anything: {', '.join(pages)}.", ""] if pages else []

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ptl.study.sample_size import note
+from ptl.text import percent
 
 NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
 """Methods that the article's learning curves leave out; they would hide the others."""
@@ -90,7 +91,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         if article
         else "Its form and width are those of the configuration."
     )
-    level = f"{100 * config['statistics']['confidence']:g}% bootstrap interval"
+    level = f"{percent(config['statistics']['confidence'])} bootstrap interval"
 
     rows = {
         "prior": Figure(

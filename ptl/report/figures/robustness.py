@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from ptl.report.figures import style
 from ptl.study.robustness.design import GROUPS, LATIN_HYPERCUBE, ONE_AT_A_TIME, REFERENCE, Unknown
 from ptl.study.robustness.summary import NOT, PARTLY, REPRODUCED, UNDECIDED, VERDICTS, scores
+from ptl.text import percent
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -119,7 +120,7 @@ def _shares(ax: Axes, part: pd.DataFrame, claims: list[str]) -> None:
     """Write the share of the settings in which the claim is reproduced at the right edge."""
     share = part.assign(holds=part["verdict"] == REPRODUCED).groupby("claim")["holds"].mean()
     twin = ax.secondary_yaxis("right")
-    twin.set_yticks(range(len(claims)), [f"{share[claim]:.0%}" for claim in claims], fontsize=11.5)
+    twin.set_yticks(range(len(claims)), [percent(round(share[claim], 2)) for claim in claims], fontsize=11.5)
     twin.tick_params(length=0)
     twin.spines["right"].set_visible(False)
     ax.annotate(
