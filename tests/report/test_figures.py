@@ -338,6 +338,12 @@ def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
     assert len(pd.read_csv(tmp_path / "odd.csv")) == (2 if kind == "maps" else len(text.translate({10: "", 35: ""})))
 
 
+@pytest.mark.parametrize("kind", ["maps", "prior", "discovery", "curves", "measures", "frequencies"])
+def test_a_dollar_sign_in_a_title_starts_no_formula(kind: str, inputs: Path, tmp_path: Path) -> None:
+    draw(kind, tmp_path / "figure.png", job(kind, inputs, {"title": r"$\spam$ for $5"}))
+    assert (tmp_path / "figure.png").is_file()
+
+
 # -- refusals -----------------------------------------------------------------------------------------------
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import wraps
 from importlib import import_module
 from pathlib import Path
@@ -11,9 +11,12 @@ from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axis import Tick
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.text import Text
 
 from ptl.errors import UserError
 from ptl.files.atomic import atomic_path
@@ -144,11 +147,22 @@ def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> N
     path = Path(path)
     if path.suffix != ".png":
         raise UserError(f"{path}: a figure is written as PNG (with an SVG and a CSV beside it); end the name in .png")
+    for words in _words(figure):
+        words.set_parse_math(False)
     with atomic_path(path) as png, atomic_path(path.with_suffix(".svg")) as svg:
         figure.savefig(png, dpi=PNG_RESOLUTION, metadata={"Software": None})
         figure.set_layout_engine("none")  # the twin keeps the layout that was just worked out
         figure.savefig(svg, metadata={"Date": None, "Creator": None})
         write_csv(frame, path.with_suffix(".csv"))
+
+
+def _words(artist: Artist) -> Iterator[Text]:
+    """Yield the texts of a figure apart from the marks of its axes: a dollar sign in a title starts no formula."""
+    if isinstance(artist, Text):
+        yield artist
+    for child in artist.get_children():
+        if not isinstance(child, Tick):
+            yield from _words(child)
 
 
 def method_look(identifier: str) -> tuple[str, str]:
