@@ -42,7 +42,7 @@ class BuildWithWorkflow(build_py):
     def run(self) -> None:
         super().run()
         if not self.editable_mode:
-            for folder in ("workflow", "profiles"):
+            for folder in ("workflow", "profiles", "config"):
                 target = Path(self.build_lib, "ptl", folder)
                 shutil.rmtree(target, ignore_errors=True)
                 shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__"))

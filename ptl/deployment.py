@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,15 @@ from ptl import methods
 from ptl.config import Configuration, check_tasks
 from ptl.errors import UserError
 from ptl.files.atomic import write_text
+from ptl.files.configuration import read_yaml
+from ptl.keys import repeated
 from ptl.learning.method_check import check_method
+from ptl.methods import beyond
 from ptl.study.measures import BASE
+from ptl.study.population.collect import foreign_lives
+from ptl.study.population.design import Study as Population
 from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.population import POPULATION
 
 PACKAGE = Path(__file__).parent
 
@@ -32,6 +38,12 @@ SNAKEFILE = _place("workflow") / "Snakefile"
 
 PROFILE = _place("profiles") / "default"
 """The settings with which Snakemake runs it, and the style of its report."""
+
+BEYOND = SNAKEFILE.with_name("beyond.smk")
+"""The workflow of the second study, to be included by the Snakefile of a study on its maps."""
+
+POPULATION_TABLE = _place("config") / "population.csv"
+"""The maps of the second study."""
 
 SURVEYED_WHOLE = 400
 """States up to which a new study surveys all start states; a larger map gets a sample, because the cost of the survey
@@ -59,6 +71,19 @@ use rule * from ptl
 
 onstart:
     remove_unfinished(f"results/{config['run']}", f"reports/{config['run']}")
+"""
+
+SNAKEFILE_OF_A_POPULATION = SNAKEFILE_OF_A_STUDY.replace("SNAKEFILE", "BEYOND")
+
+README_OF_A_POPULATION = """\
+# {run}
+
+A study of methods on the {band} maps of the second study of the Python package `ptl`. In an environment in which the
+package is installed, `snakemake -j2` runs what is missing and writes `reports/{run}/index.html`, with figures and
+tables beside it, and `reports/{run}/per_life.csv`, a row for each life.
+
+`config/config.yaml` says what is compared: `methods` are run, `foreign_lives` are read from CSV files with the columns
+of `per_life.csv`. `maps` counts the maps of each family; a study on fewer maps takes the first ones.
 """
 
 CONFIGURATION_HEAD = """\
@@ -119,8 +144,7 @@ def new_study(
     UserError
         One line on the first thing that is wrong, before anything is written.
     """
-    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
-        raise UserError(f"{folder}: exists already; name a folder that is absent or empty")
+    _check_absent(folder)
     places = _environments(maps)
     worlds = {name: load_map(path) for name, path in places.items()}
     orders = _orders(tasks, worlds)
@@ -128,7 +152,7 @@ def new_study(
     references = methods.by_identifier(chosen or built_in)
     for reference in references.values():
         check_method(reference)
-    run = re.sub(r"[^A-Za-z0-9_-]", "_", folder.resolve().name).lstrip("_-") or "study"
+    run = _run_name(folder)
     config: dict[str, Any] = {
         "run": run,
         "environments": {
@@ -146,17 +170,88 @@ def new_study(
 
     for name, path in places.items():
         _copy(path, folder / "maps" / f"{name}.txt")
+    _write(folder, config, references.values(), SNAKEFILE_OF_A_STUDY, README.format(run=run))
+    return config
+
+
+def new_population_study(
+    folder: Path,
+    band: str,
+    *,
+    maps: int | None = None,
+    seeds: int | None = None,
+    episodes: int | None = None,
+    chosen: Sequence[str] = (),
+    lives: Sequence[Path] = (),
+) -> dict[str, Any]:
+    """Make a folder in which the second study runs on methods of one's own, and return its configuration.
+
+    Parameters
+    ----------
+    folder : path
+        Must be absent or empty; the run is called after it.
+    band : {"tuning", "test"}
+        Tune on the first, report on the second.
+    maps, seeds, episodes : int, optional
+        Maps of each family, lives on each, episodes of a task; by default as in the published study.
+    chosen : sequence of str
+        Methods to run, those of `ptl.methods.beyond` among them; files are copied into the folder.
+    lives : sequence of paths
+        Tables of lives of other methods (columns of ``per_life.csv``), copied into the folder.
+
+    Raises
+    ------
+    UserError
+        One line on the first thing that is wrong, before anything is written.
+    """
+    _check_absent(folder)
+    references = methods.by_identifier(map(beyond.reference, chosen))
     for reference in references.values():
+        check_method(reference)
+    published = read_yaml(_place("config") / "beyond.yaml")
+    config: dict[str, Any] = {
+        "run": _run_name(folder),
+        "band": band,
+        "maps": maps or published["maps"],
+        "seeds": seeds or published["seeds"],
+        "methods": [_kept(name) for name in chosen],
+        "foreign_lives": [f"lives/{path.name}" for path in lives],
+    }
+    if episodes is not None:
+        config["learning"] = {"episodes": episodes}
+    if twice := repeated(config["foreign_lives"]):
+        raise UserError(f"--lives: two files are called {Path(twice[0]).name}; rename one of them")
+    checked = {"methods": list(chosen), "foreign_lives": [str(path) for path in lives]}
+    foreign_lives(Population.read({**config, **checked, "population": str(POPULATION_TABLE)}))
+
+    for path in lives:
+        _copy(path, folder / "lives" / path.name)
+    _copy(POPULATION_TABLE, folder / POPULATION)
+    _write(folder, config, chosen, SNAKEFILE_OF_A_POPULATION, README_OF_A_POPULATION.format(**config))
+    return config
+
+
+def _check_absent(folder: Path) -> None:
+    if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise UserError(f"{folder}: exists already; name a folder that is absent or empty")
+
+
+def _run_name(folder: Path) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]", "_", folder.resolve().name).lstrip("_-") or "study"
+
+
+def _write(folder: Path, config: Mapping[str, Any], references: Iterable[str], snakefile: str, readme: str) -> None:
+    """Write what every study has: its methods' files, the profile, Snakefile, configuration and README."""
+    for reference in references:
         if _kept(reference) != reference:
             _copy(Path(reference), folder / _kept(reference))
     for path in PROFILE.iterdir():
         _copy(path, folder / "profiles/default" / path.name)
-    write_text(folder / "Snakefile", SNAKEFILE_OF_A_STUDY)
+    write_text(folder / "Snakefile", snakefile)
     text = yaml.safe_dump(config, sort_keys=False, allow_unicode=True, default_flow_style=None, width=100)
     write_text(folder / "config/config.yaml", CONFIGURATION_HEAD + text)
-    write_text(folder / "README.md", README.format(run=run))
+    write_text(folder / "README.md", readme)
     write_text(folder / ".gitignore", ".snakemake/\nlogs/\nresults/\n")
-    return config
 
 
 def _environments(maps: Sequence[Path]) -> dict[str, Path]:

@@ -20,7 +20,10 @@ from ptl.study.population.design import Study, cells, job_of, maps_of, method_di
 min_version("9.27")
 
 
-configfile: "config/beyond.yaml"
+# a study of one's own uses this file as a module and has its own configuration
+if "methods" not in config:
+
+    configfile: "config/beyond.yaml"
 
 
 try:
@@ -113,7 +116,8 @@ rule report_beyond:
     input:
         lives=rules.collect_lives.output.lives,
         tasks=rules.collect_lives.output.tasks,
-        foreign=list(STUDY.foreign_lives.values()),
+        foreign=STUDY.foreign_lives,
+        population=STUDY.population,
     output:
         page="<reports>/index.html",
     log:

@@ -9,7 +9,7 @@ import click
 
 @click.command()
 @click.argument("folder", type=click.Path(path_type=Path))
-@click.option("--map", "maps", multiple=True, required=True, type=click.Path(path_type=Path),
+@click.option("--map", "maps", multiple=True, type=click.Path(path_type=Path),
               help="Text file of a map; repeat it for several. Its environment is called after the file.")  # fmt: skip
 @click.option("--tasks", multiple=True,
               help="Goal letters in the order of learning, for every map (BAC) or for one (maze=BAC);"
@@ -19,6 +19,12 @@ import click
 @click.option("--method", "methods", multiple=True,
               help="Method to compare: a built-in name, a file that ends in .py (it is copied), or"
                    " package.module:Class; repeat it for several. By default all built-in methods.")  # fmt: skip
+@click.option("--population", type=click.Choice(["tuning", "test"]),
+              help="Instead of maps of your own, those of the second study in this band.")  # fmt: skip
+@click.option("--maps-per-family", type=click.IntRange(1), help="With --population: the first maps of each family.")
+@click.option("--lives", multiple=True, type=click.Path(path_type=Path),
+              help="With --population: CSV file like reports/beyond/per_life.csv: methods that need not be run;"
+                   " repeat it for several.")  # fmt: skip
 def command(
     folder: Path,
     maps: tuple[Path, ...],
@@ -26,16 +32,36 @@ def command(
     seeds: int | None,
     episodes: int | None,
     methods: tuple[str, ...],
+    population: str | None,
+    maps_per_family: int | None,
+    lives: tuple[Path, ...],
 ) -> None:
-    """Make FOLDER, in which `snakemake -j2` compares methods on your own maps.
+    """Make FOLDER, in which `snakemake -j2` compares methods on your own maps or on those of the second study.
 
     Maps, tasks and methods are checked before anything is written.
     """
     from ptl.cli.config_docs import tables
-    from ptl.deployment import new_study
+    from ptl.deployment import new_population_study, new_study
+    from ptl.errors import UserError
     from ptl.files.atomic import write_text
     from ptl.study.measures import BASE
 
+    for option, given, needed in (
+        ("--population", population, not maps), ("--map", maps, not population),
+        ("--tasks", tasks, not population), ("--maps-per-family", maps_per_family, population),
+        ("--lives", lives, population),
+    ):  # fmt: skip
+        if given and not needed:
+            raise UserError(f"{option}: give either --map, or --population with --maps-per-family and --lives")
+    if population:
+        config = new_population_study(
+            folder, population, maps=maps_per_family, seeds=seeds, episodes=episodes, chosen=methods, lives=lives
+        )
+        click.echo(f"methods to run: {', '.join(config['methods']) or 'none'}")
+        click.echo(f"run it: cd {folder} && snakemake -j2; then open reports/{config['run']}/index.html")
+        return
+    if not maps:
+        raise UserError("--map: name the file of a map, or --population for the maps of the second study")
     config = new_study(folder, maps, tasks=tasks, seeds=seeds, episodes=episodes, chosen=methods)
     write_text(folder / "config/README.md", f"# Keys of the configuration\n\n{tables()}")
     for name, entry in config["environments"].items():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -10,11 +11,11 @@ import numpy as np
 import pandas as pd
 
 from ptl import methods
-from ptl.methods.beyond import reference
+from ptl.methods import beyond
 from ptl.report.figures.beyond import Look
 from ptl.report.table import Cell, Column, Group, Row, Table, text_table
 from ptl.report.templating import render
-from ptl.study.population.design import Study
+from ptl.study.population.design import MAIN, Study
 from ptl.study.population.summary import BASE
 from ptl.text import MISSING, interval, number, percent
 
@@ -35,6 +36,9 @@ FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "p
 
 RIVALS = ("optimistic", "maxqinit", "optimistic_fast", "rmax", "rmax_memory")
 """Baselines without skills."""
+
+OURS = ("ptl_path_prior", "ptl_frontier", "ptl_frontier_path", "frontier_only")
+"""Proposals of ours and their control."""
 
 CURVES = (
     "no_transfer", "ptl", "ptl_random_state", "ptl_farthest", "all_goals", "ptl_frontier", "optimistic_fast",
@@ -69,16 +73,29 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
 }
 """What a method is told of the goal, whether it relies on moves being certain, and what it keeps from task to task."""
 
+ORDER = tuple(KNOWLEDGE)
+"""Methods in the order in which figures and tables show them; those of other people come after them."""
 
-def looks_of(study: Study) -> dict[str, Look]:
-    """Return how each method is shown, by identifier, in the order of the study."""
+
+OTHER_COLOURS = ("#000000", "#7f3b08", "#003c30", "#40004b")
+"""Colours of methods that only a table names, one after another."""
+
+
+def looks_of(study: Study, names: Iterable[str]) -> dict[str, Look]:
+    """Return how each method is shown, by identifier: those of the study first, then others that ``names`` has."""
+    built_in = (*methods.names(), *beyond.names())
+    references = methods.by_identifier(map(beyond.reference, study.methods))
+    others = [name for name in dict.fromkeys(names) if name not in references]
+    order = {name: place for place, name in enumerate(dict.fromkeys((*ORDER, *references, *others)))}
+    colours = itertools.cycle(OTHER_COLOURS)
     looks = {}
-    for method in study.methods:
-        kind = methods.load(reference(method))
-        name = methods.identifier(reference(method))
-        looks[name] = Look(kind.label, kind.colour, dashed=name not in KNOWLEDGE or name in RIVALS)
-    for name in study.foreign_lives:
-        looks[name] = Look(name.replace("_", " ").capitalize(), "#000000", dashed=True)
+    for name in sorted({*references, *others}, key=order.__getitem__):
+        if name in references or name in built_in:
+            kind = methods.load(references.get(name) or beyond.reference(name))
+            label, colour = kind.label, kind.colour
+        else:
+            label, colour = name.replace("_", " ").capitalize(), next(colours)
+        looks[name] = Look(label, colour, dashed=name not in KNOWLEDGE or name in RIVALS)
     return looks
 
 
@@ -144,81 +161,107 @@ def answers(
     """Return the three questions, each with its lines; every statement follows from an interval."""
     found = compared(costs, families)
     return [
-        {"question": "1. Against strong baselines?", "lines": list(_against(found, looks))},
-        {"question": "2. Because of which part?", "lines": list(_parts(found, looks))},
+        {"question": "1. Is it better than strong baselines?", **_against(found, looks)},
+        {"question": "2. Which part of it does the work?", **_parts(found, looks)},
         {
-            "question": "3. On maps that nobody chose?",
-            "lines": list(_elsewhere(costs, families, components, titles, looks)),
+            "question": "3. Does it hold on maps that nobody chose?",
+            **_elsewhere(found, costs, families, components, titles, looks),
         },
     ]
 
 
-def _against(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> Iterable[str]:
-    if NO_TRANSFER in found:
-        yield f"Learning every task from nothing: {found[NO_TRANSFER].text}."
-    rivals = {name: found[name] for name in (*RIVALS, *(n for n in found if n not in KNOWLEDGE)) if name in found}
-    cheaper = [name for name, comparison in rivals.items() if comparison.less == comparison.families]
-    dearer = [name for name, comparison in rivals.items() if comparison.more == comparison.families]
-    for name, comparison in rivals.items():
-        yield f"{looks[name].label}: {comparison.text}."
-    if cheaper:
-        yield f"Cheaper than PTL in every family: {_listed(cheaper, looks)}."
-        told = [name for name in cheaper if name in KNOWLEDGE and KNOWLEDGE[name][1] == CERTAIN]
-        if told:
-            verb = "rely" if len(told) > 1 else "relies"
-            yield (
-                f"Of these, {_listed(told, looks)} {verb} on moves being certain, which the article’s robot may not;"
-                " the table below says what each method may know."
-            )
-    if dearer:
-        yield f"Dearer than PTL in every family: {_listed(dearer, looks)}."
+def _verdicts(found: Mapping[str, Comparison], names: Sequence[str], looks: Mapping[str, Look]) -> str:
+    """Say which of some methods are cheaper than PTL in every family, dearer in every one, or neither."""
+    cheaper = [name for name in names if found[name].less == found[name].families]
+    dearer = [name for name in names if found[name].more == found[name].families]
+    rest = [name for name in names if name not in cheaper and name not in dearer]
+    parts = [
+        f"cheaper than PTL in every family: {_listed(cheaper, looks)}" if cheaper else "",
+        f"dearer in every family: {_listed(dearer, looks)}" if dearer else "",
+        f"it depends on the family: {_listed(rest, looks)}" if rest else "",
+    ]
+    return _sentence("; ".join(filter(None, parts)))
 
 
-def _parts(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> Iterable[str]:
-    for name in (*FINDERS, "ptl_supervised", "all_goals", "ptl_path_prior", "ptl_frontier", "frontier_only"):
-        if name in found:
-            yield f"{looks[name].label}: {found[name].text}."
+def _against(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+    names = [name for name in (NO_TRANSFER, *RIVALS) if name in found]
+    names += [name for name in found if name not in KNOWLEDGE]
+    lines = [f"{looks[name].label}: {found[name].text}." for name in names]
+    certain = [name for name in names if KNOWLEDGE.get(name, ("", ""))[1] == CERTAIN and found[name].less]
+    if certain:
+        verb = "rely" if len(certain) > 1 else "relies"
+        lines.append(
+            f"To be fair: {_listed(certain, looks)} {verb} on moves being certain, and a model on a memory of every"
+            " transition. The article’s robot may have neither. On the other hand PTL is told where the goal lies, and"
+            " these methods are not. The table below says what each method may know."
+        )
+    return {"lead": _verdicts(found, names, looks), "lines": lines}
+
+
+def _parts(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+    finders = [name for name in FINDERS if name in found]
+    others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in found]
+    lines = [f"{looks[name].label}: {found[name].text}." for name in (*finders, *others)]
     if "ptl_frontier" in found and "frontier_only" in found:
         both, alone = (found[name].ratios.set_index("family") for name in ("ptl_frontier", "frontier_only"))
-        clear = int((both["ratio_high"] < alone["ratio_low"]).sum())
-        yield (
-            "Our skill to the frontier with the library is clearly cheaper than without it in"
-            f" {clear} of {len(both)} families (intervals apart)."
+        with_library = int((both["ratio_high"] < alone["ratio_low"]).sum())
+        without = int((alone["ratio_high"] < both["ratio_low"]).sum())
+        lines.append(
+            f"Our skill to the frontier beside the library against the same skill alone: clearly cheaper in"
+            f" {with_library}, clearly dearer in {without} of {len(both)} families (intervals apart)."
+            + (
+                ""
+                if with_library > without
+                else " Not the library makes it cheap, but the memory of transitions and the direction of the goal."
+            )
         )
+    lead = f"Same agent, other subgoals: {_verdicts(found, finders, looks)}" if finders else ""
+    return {"lead": lead, "lines": lines}
 
 
 def _elsewhere(
+    found: Mapping[str, Comparison],
     costs: pd.DataFrame,
     families: Sequence[str],
     components: pd.DataFrame,
     titles: Mapping[str, str],
     looks: Mapping[str, Look],
-) -> Iterable[str]:
-    base = costs[costs["method"] == BASE].set_index("family")
+) -> dict[str, Any]:
+    own = costs[costs["method"] == BASE].set_index("family")
     none = costs[costs["method"] == NO_TRANSFER].set_index("family")
-    if len(none):
+    lead, lines = "", []
+    if NO_TRANSFER in found:
+        comparison = found[NO_TRANSFER]
+        lead = (
+            f"PTL costs less than learning every task from nothing in {comparison.more} of {comparison.families}"
+            f" families of generated maps, more in {comparison.less}."
+        )
         saved = []
         for family in none.index:
             row = none.loc[family]
             low, high = sorted((1 / row["ratio_low"], 1 / row["ratio_high"]))
             saved.append(f"{titles[family]} {number(1 / row['ratio'])} {interval(low, high)}".rstrip())
-        yield f"PTL’s cost as a multiple of that of no transfer: {'; '.join(saved)}."
-    yield (
-        "PTL’s cost as a multiple of the optimum: "
-        + "; ".join(f"{titles[family]} {number(base.loc[family, 'cost'])}" for family in base.index)
-        + "."
-    )
-    for family in families:
-        own = costs[costs["family"] == family].sort_values("cost")
-        cheapest = own.iloc[0]
-        yield f"{titles[family]}: cheapest is {looks[cheapest['method']].label} ({number(cheapest['cost'])} × optimum)."
+        lines.append(f"PTL’s cost as a multiple of that of no transfer: {'; '.join(saved)}.")
+    listed = "; ".join(f"{titles[family]} {number(own.loc[family, 'cost'])}" for family in own.index)
+    lines.append(f"PTL’s cost as a multiple of the optimum: {listed}.")
+    if len(families):
+        best: dict[str, list[str]] = {}
+        for family in families:
+            row = costs[costs["family"] == family].sort_values("cost").iloc[0]
+            best.setdefault(row["method"], []).append(f"{titles[family]} ({number(row['cost'])} × optimum)")
+        lines += [f"Cheapest is {looks[name].label} in: {', '.join(places)}." for name, places in best.items()]
     if len(components):
         shares = components.groupby("method", sort=False)["intraclass"].median()
-        yield (
+        lines.append(
             "Share of the variance of log(cost ÷ PTL’s) that lies between maps rather than between lives on a map,"
             f" median over families: from {percent(round(shares.min(), 2))} ({looks[str(shares.idxmin())].label}) to"
             f" {percent(round(shares.max(), 2))} ({looks[str(shares.idxmax())].label})."
         )
+    return {"lead": lead, "lines": lines}
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
 
 
 def _listed(names: Sequence[str], looks: Mapping[str, Look]) -> str:
@@ -307,18 +350,22 @@ def page(**values: Any) -> str:
 
 def introduction(study: Study, lives: pd.DataFrame) -> str:
     """Describe what was run."""
-    own = lives[lives["sequence"] == "increasing"]
+    own = lives[lives["sequence"] == MAIN]
     maps = own.groupby("family")["map"].nunique()
-    families = f"{len(maps)} families of generated maps" if len(maps) else "no generated maps"
-    count = f", {number(int(maps.min()))} maps each" if len(maps) else ""
-    size = f" of about {number(study.size)} states" if study.families else ""
-    compared_methods = number(int(lives["method"].nunique()))
+    places = [f"{len(maps)} families of generated maps, {number(int(maps.min()))} maps each"] if len(maps) else []
+    if study.families and places:
+        places[0] += (
+            f" of about {number(study.size)} states (band “{study.band}”), with {number(study.seeds)} lives on each map"
+        )
+    if study.article_maps:
+        places.append(
+            f"{number(len(study.article_maps))} maps of the article, with {number(study.article_seeds)} lives"
+        )
     return (
-        "A second study with the package, apart from the reproduction of the article: none of its methods, maps and"
-        f" numbers is the article’s, except where the article’s maps are named. It compares"
-        f" {compared_methods} methods on {families}{count}{size}, band “{study.band}”, {number(study.seeds)} lives on"
-        f" each map, and on {number(len(study.article_maps))} maps of the article with {number(study.article_seeds)}"
-        f" lives. A life is six tasks of {number(study.learning.episodes)} episodes; {number(len(lives))} lives in all."
+        "A second study with the package, apart from the reproduction: methods, maps and numbers are not the article’s,"
+        f" except where its maps are named. {number(int(lives['method'].nunique()))} methods on"
+        f" {' and on '.join(places)}. A life is six tasks of {number(study.learning.episodes)} episodes;"
+        f" {number(len(lives))} lives in all."
     )
 
 

@@ -12,19 +12,19 @@ from ptl.report.figures import style
 from ptl.report.job import running
 from ptl.report.table import write
 from ptl.study.population import summary
-from ptl.study.population.collect import read_lives, read_tasks
+from ptl.study.population.collect import foreign_lives, read_lives, read_tasks
 from ptl.study.population.design import MAIN, Study
 from ptl.study.statistics import Resampling
+from ptl.world.population import read_population
 
 with running(snakemake) as job:
     study = Study.read(snakemake.params.study)
     folder = Path(job.output.page).parent
     how = Resampling(study.statistics.confidence, study.statistics.resamples)
-    own = read_lives(job.input.lives)
-    others = [read_lives(path).assign(method=name) for name, path in study.foreign_lives.items()]
-    lives = pd.concat([own, *others], ignore_index=True)
+    lives = [frame for frame in (read_lives(job.input.lives), foreign_lives(study)) if len(frame)]
+    lives = pd.concat(lives, ignore_index=True)
     tasks = read_tasks(job.input.tasks)
-    looks = beyond.looks_of(study)
+    looks = beyond.looks_of(study, lives["method"])
     main = summary.main_lives(lives)
     titles = beyond.titles_of(dict.fromkeys(main["family"]), study.article_maps)
     generated = [family for family in titles if family not in study.article_maps]
@@ -34,7 +34,7 @@ with running(snakemake) as job:
     components = summary.variance_components(main)
     sizes = summary.by_library_size(tasks, how)
     sequences = summary.by_sequence(lives, how)
-    windings = summary.by_winding(main, tasks)
+    windings = summary.by_winding(main, read_population(study.population))
     trends = summary.winding_trends(windings)
     of_tasks = "random" if "random" in study.sequences.names else MAIN
     places = summary.by_task(tasks, of_tasks, how)

@@ -10,7 +10,7 @@ class Method(PartialTransfer):
     """As `ptl`, with any visited state as the new subgoal, under the same conditions (control)."""
 
     label = "PTL, subgoal = random state"
-    colour = "#878787"
+    colour = "#d7301f"
 
     def finder(self) -> finders.Finder:
         return finders.random_state(self.random)

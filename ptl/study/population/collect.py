@@ -17,8 +17,10 @@ from ptl.files.csv import read_csv
 from ptl.files.remedies import make_again
 from ptl.files.schema import LIVES
 from ptl.methods.beyond import reference
+from ptl.study.population.design import MAIN, Study
 from ptl.study.population.running import Cell
 from ptl.study.tables import read_table
+from ptl.world.population import BANDS, read_population
 
 KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
 TASK_COLUMNS = (
@@ -40,7 +42,8 @@ def per_task(paths: Iterable[str | Path]) -> pd.DataFrame:
     UserError
         When a file is missing, damaged or of another kind.
     """
-    return pd.concat(map(_rows, paths), ignore_index=True)
+    frames = [_rows(path) for path in paths]
+    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(TASK_COLUMNS))
 
 
 def _rows(path: str | Path) -> pd.DataFrame:
@@ -102,15 +105,59 @@ def read_lives(path: str | Path) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When it cannot be read, lacks a column, or holds a life twice.
+        When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
     """
     frame = read_table(path, LIFE_COLUMNS)
-    frame["map"] = frame["map"].astype(str)
-    twice = frame[frame.duplicated(["family", "map", "size", "sequence", "method", "seed"])]
-    if len(twice):
-        row = twice.iloc[0]
-        raise UserError(
-            f"{path}: family {row['family']}, map {row['map']}, method {row['method']}, seed {row['seed']} is there"
-            " twice; give each life once"
-        )
-    return frame
+    for name in ("size", "seed", "total_steps", "optimum", "library_size"):
+        if not (pd.api.types.is_numeric_dtype(frame[name]) and (frame[name] >= 0).all()):
+            raise UserError(f"{path}: column {name!r} must hold numbers from 0 up")
+    for name in ("family", "map", "sequence", "method"):
+        frame[name] = frame[name].astype(str)
+    for wrong, what in (
+        (frame.duplicated(["family", "map", "size", "sequence", "method", "seed"]), "is there twice; give it once"),
+        (frame["optimum"] <= 0, "has no optimum; give episodes x shortest paths of the tasks after the first"),
+        (frame["total_steps"] < frame["optimum"], "has fewer steps than the optimum; check how both are counted"),
+    ):
+        if wrong.any():
+            row = frame[wrong].iloc[0]
+            life = f"family {row['family']}, map {row['map']}, method {row['method']}, seed {row['seed']}"
+            raise UserError(f"{path}: the life of {life} {what}")
+    return frame[list(LIFE_COLUMNS)]
+
+
+def foreign_lives(study: Study) -> pd.DataFrame:
+    """Return the lives of methods that the study does not run, on the maps that it does.
+
+    Raises
+    ------
+    UserError
+        When a file is at fault, names a method twice, or counts another optimum than the table of maps says.
+    """
+    found = pd.DataFrame(columns=list(LIFE_COLUMNS))
+    taken = {methods.identifier(reference(name)): "methods" for name in study.methods}
+    episodes = study.learning.episodes
+    shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population(study.population)}
+    for path in study.foreign_lives:
+        lives = read_lives(path)
+        first = BANDS[study.band]
+        places = [str(seed) for seed in range(first, first + study.maps)]
+        generated = lives["family"].isin(study.families) & lives["map"].isin(places) & (lives["size"] == study.size)
+        lives = lives[
+            (generated & (lives["seed"] < study.seeds) & lives["sequence"].isin([MAIN, *study.sequences.names]))
+            | (lives["family"].isin(study.article_maps) & (lives["seed"] < study.article_seeds))
+        ]
+        if lives.empty:
+            raise UserError(f"{path}: holds no life on the maps of this study")
+        for name in dict.fromkeys(lives["method"]):
+            if name in taken:
+                raise UserError(f"{path}: method {name} is in {taken[name]} already; give it another name")
+            taken[name] = str(path)
+        for row in lives[lives["sequence"] == MAIN].drop_duplicates(["family", "map"]).itertuples():
+            wanted = episodes * shortest[row.family, row.map, row.size]
+            if row.optimum != wanted:
+                raise UserError(
+                    f"{path}: the optimum of family {row.family}, map {row.map} is {row.optimum}, where {episodes}"
+                    f" episodes give {wanted}; use the same maps, tasks and episodes"
+                )
+        found = pd.concat([found, lives], ignore_index=True) if len(found) else lives
+    return found

@@ -72,8 +72,7 @@ class Study(Parameters, frozen=True, kw_only=True):
         key(
             "Methods to compare: identifiers of built-in methods and those of ptl/methods/beyond/, files, or"
             " package.module:Class.",
-            wanted="a list of one or more methods",
-            min_length=1,
+            wanted="a list of methods",
         ),
     ]
     article_maps: Annotated[
@@ -84,12 +83,12 @@ class Study(Parameters, frozen=True, kw_only=True):
         list[str], key("Map files in the Moving AI format, a family of their own.", wanted="a list of paths")
     ] = []  # noqa: RUF012
     foreign_lives: Annotated[
-        dict[Name, Annotated[str, key("", **PATH)]],
+        list[str],
         key(
-            "Lives that another program has run, by the method's name: CSV files with the columns of per_life.csv.",
-            wanted="names, each with a file",
+            "CSV files with the columns of per_life.csv: lives of methods that are not run here, under their names.",
+            wanted="a list of paths",
         ),
-    ] = {}  # noqa: RUF012
+    ] = []  # noqa: RUF012
     sequences: Sequences = Sequences()
     library_sizes: LibrarySizes = LibrarySizes()
     batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
@@ -131,12 +130,11 @@ class Study(Parameters, frozen=True, kw_only=True):
         """
         article_maps = {name: entry for name, entry in (given.get("article_maps") or {}).items() if entry is not None}
         study = cls.from_dict({**given, "article_maps": article_maps})
-        known = methods.by_identifier(map(reference, study.methods))
+        methods.by_identifier(map(reference, study.methods))
         for method in study.methods:
             methods.load(reference(method))
-        for name in study.foreign_lives:
-            if name in known:
-                raise ConfigurationError("foreign_lives", f"{name} is already the name of a method; choose another")
+        if not study.methods and not study.foreign_lives:
+            raise ConfigurationError("methods", "is empty, and so is foreign_lives; name a method or a file of lives")
         for name in study.library_sizes.methods:
             if not issubclass(methods.load(reference(name)), PartialTransfer):
                 raise ConfigurationError.of_value("library_sizes.methods", name, "variants of ptl")

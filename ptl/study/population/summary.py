@@ -12,7 +12,7 @@ paths). Costs are averaged as logarithms, so that means are geometric and ratios
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,6 +22,7 @@ from scipy import stats
 from ptl.errors import UserError
 from ptl.study.population.design import ARTICLE, MAIN
 from ptl.study.statistics import Estimate, Resampling, named_generator
+from ptl.world.population import Entry
 
 BASE = "ptl"
 """Method that others are compared with."""
@@ -222,8 +223,9 @@ def by_task(tasks: pd.DataFrame, sequence: str, how: Resampling) -> pd.DataFrame
     ``sequence`` names the sequence on generated maps; on the article's maps tasks come in their own order.
     """
     own = tasks[(tasks["per_task"] == 0) & tasks["sequence"].isin([sequence, ARTICLE])]
-    own = own.assign(cost=own["steps"] / own["optimum"])
-    return pd.DataFrame(_means(own, ("family", "method", "task"), how))
+    own = own.assign(cost=(own["steps"] / own["optimum"]).astype(float))
+    rows = list(_means(own, ("family", "method", "task"), how))
+    return pd.DataFrame(rows, columns=["family", "method", "task", "maps", "cost", "low", "high"])
 
 
 def by_library_size(tasks: pd.DataFrame, how: Resampling) -> pd.DataFrame:
@@ -262,18 +264,21 @@ def by_sequence(lives: pd.DataFrame, how: Resampling) -> pd.DataFrame:
     return pd.DataFrame(_means(same, ("family", "method", "sequence"), how))
 
 
-def by_winding(lives: pd.DataFrame, tasks: pd.DataFrame) -> pd.DataFrame:
-    """Return the geometric mean cost on each map beside the map's winding, which is read from ``tasks``.
+def by_winding(lives: pd.DataFrame, entries: Iterable[Entry]) -> pd.DataFrame:
+    """Return the geometric mean cost on each generated map beside the map's winding.
 
-    Columns family, map, method, winding, cost; the article's maps are left out.
+    Columns family, map, method, winding, cost.
     """
-    windings = tasks.loc[tasks["sequence"] == MAIN, ["family", "map", "winding"]].drop_duplicates()
-    own = lives[lives["sequence"] == MAIN].merge(windings)
-    own = own.assign(log=np.log(own["total_steps"] / own["optimum"]))
+    windings = {(entry.family, str(entry.seed), entry.size): entry.winding for entry in entries}
+    own = lives[lives["sequence"] == MAIN]
+    own = own.assign(
+        log=np.log(own["total_steps"] / own["optimum"]),
+        winding=[windings.get(place, np.nan) for place in zip(own["family"], own["map"], own["size"], strict=True)],
+    ).dropna(subset=["winding"])
     frame = own.groupby(["family", "map", "method"], sort=False, as_index=False).agg(
         winding=("winding", "first"), cost=("log", "mean")
     )
-    return frame.assign(cost=np.exp(frame["cost"]))
+    return frame.assign(cost=np.exp(frame["cost"].astype(float)))
 
 
 def winding_trends(frame: pd.DataFrame) -> pd.DataFrame:
