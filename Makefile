@@ -21,8 +21,8 @@ help:  ## Show this list.
 # The published products are tracked. Before a first run they are made to look old, so that it makes all of them again,
 # even if it is interrupted; without git a copy is kept to compare with.
 reproduce: build  ## Everything: all runs, tables, figures, verdicts and reports/published/report.html.
-	$(if $(wildcard .git .published results/published),,cp -R reports/published .published)
-	$(if $(wildcard results/published),,find reports/published -type f -exec touch -t 200001010000 {} +)
+	$(if $(wildcard .git .published results/published),,$(if $(wildcard reports/published),cp -R reports/published .published))
+	$(if $(wildcard results/published),,$(if $(wildcard reports/published),find reports/published -type f -exec touch -t 200001010000 {} +))
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report reports/published/report.html
 	@echo "Open reports/published/index.html in a browser; report.html beside it is Snakemake's report."

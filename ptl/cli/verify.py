@@ -17,7 +17,11 @@ LISTED = 5
     metavar="REFERENCE",
     help="Compare report folders with another run: a report folder or its manifest, git:REVISION, or 'published'.",
 )
-@click.option("--exit-zero", is_flag=True, help="With --against: exit status 0 even if products or verdicts differ.")
+@click.option(
+    "--exit-zero",
+    is_flag=True,
+    help="With --against: exit status 0 even if they differ or there is nothing to compare with.",
+)
 @click.option("--any-code", is_flag=True, help="Accept files made by another version of the code.")
 def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_code: bool) -> None:
     """Check HDF5 files, sealed tables and report folders with a manifest, or all of them below folders.
@@ -34,12 +38,18 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     """
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
-    from ptl.files.comparison import compare, reference
+    from ptl.files.comparison import NothingToCompareError, compare, reference
     from ptl.files.manifest import MANIFEST, read
     from ptl.files.verification import checkable, faults_of, unchecked
 
     if against is not None:
-        found = [compare(folder, reference(against, folder)) for folder in paths]
+        try:
+            found = [compare(folder, reference(against, folder)) for folder in paths]
+        except NothingToCompareError as error:
+            if not exit_zero:
+                raise
+            click.echo(str(error))
+            return
         for comparison in found:
             click.echo(str(comparison))
         if not (exit_zero or all(comparison.agrees for comparison in found)):

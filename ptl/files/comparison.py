@@ -51,6 +51,10 @@ _PACKED = re.compile(r"H4sI[A-Za-z0-9+/=]{40,}")  # gzip in base64, as in the ex
 # -- what a run is compared with ----------------------------------------------------------------------------------
 
 
+class NothingToCompareError(UserError):
+    """There are no products of another run."""
+
+
 class Reference(Protocol):
     """The products of the other run."""
 
@@ -146,7 +150,7 @@ def reference(text: str, folder: Path) -> Reference:
     kept = Path(KEPT)
     if (kept / MANIFEST).is_file():
         return _of_another_run(FolderReference(kept, f"{KEPT} (kept before the first run)"), folder)
-    raise UserError(
+    raise NothingToCompareError(
         f"{folder}: neither git's HEAD nor {KEPT} holds the published products to compare with; 'make reproduce' in a"
         " fresh copy of the package keeps them"
     )

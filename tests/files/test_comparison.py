@@ -17,7 +17,7 @@ from PIL import Image
 from ptl.cli.verify import command
 from ptl.errors import UserError
 from ptl.files import manifest
-from ptl.files.comparison import GREY_LEVELS, KEPT, PUBLISHED, compare, read_alike, reference
+from ptl.files.comparison import GREY_LEVELS, KEPT, PUBLISHED, NothingToCompareError, compare, read_alike, reference
 
 CLAIMS = "id,verdict\nE1,reproduced\nE2,not reproduced\n"
 
@@ -195,3 +195,12 @@ def test_verify_says_the_same_and_ends_with_a_status(mine, theirs, options, stat
     assert result.exit_code == status
     if status:
         assert isinstance(result.exception, UserError)
+
+
+def test_nothing_to_compare_with_ends_no_reproduction_in_an_error(tmp_path, monkeypatch):
+    make(tmp_path / "unpacked/reports/published")
+    monkeypatch.chdir(tmp_path / "unpacked")
+    arguments = ["reports/published", "--against", PUBLISHED]
+    assert isinstance(CliRunner().invoke(command, arguments).exception, NothingToCompareError)
+    result = CliRunner().invoke(command, [*arguments, "--exit-zero"])
+    assert result.exit_code == 0 and "neither git's HEAD" in result.output

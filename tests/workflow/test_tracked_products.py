@@ -33,3 +33,16 @@ def test_the_manifest_names_every_product_of_the_main_run():
     tracked = {name for name in listed.splitlines() if not any(fnmatch(name, pattern) for pattern in APART)}
     assert len(tracked) > 80
     assert set(json.loads((PUBLISHED / "manifest.json").read_text())["products"]) == tracked
+
+
+def test_reproduce_keeps_and_ages_only_products_that_are_there(tmp_path: Path):
+    for name in ("Makefile", "requirements.lock", "setup.py", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
+
+    def commands() -> str:
+        done = subprocess.run(["make", "-n", "reproduce"], cwd=tmp_path, capture_output=True, text=True, check=True)
+        return done.stdout
+
+    assert "cp -R reports/published" not in commands() and "find reports/published" not in commands()
+    (tmp_path / "reports/published").mkdir(parents=True)
+    assert "cp -R reports/published" in commands() and "find reports/published" in commands()
