@@ -27,7 +27,8 @@ from ptl.text import number
 PAGE = ROOT / "docs/reliability.md"
 BEGIN, END = "<!-- figures: python tests/reliability.py -->\n", "<!-- end of figures -->"
 
-TESTS = ("test_faults.py", "test_manifest.py", "test_fuzz.py", "test_equal_everywhere.py")
+TESTS = ("test_faults.py", "test_manifest.py", "test_fuzz.py", "test_hostile_calls.py", "test_texts.py",
+         "test_equal_everywhere.py")  # fmt: skip
 SEEDS = 10_000
 """Seeds of the estimate."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -42,6 +43,7 @@ def completed(config: Mapping[str, Any]) -> Configuration:
                 "methods", f"unknown method {identifier!r}; known are {', '.join(methods.names())}"
             )
         check_method(identifier)
+        _check_text(f"methods: label of {identifier}", methods.load(identifier).label)
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}
     names = sorted(entries, key=lambda name: entries[name].article_items.map or "~")
     growth = configuration.growth
@@ -76,6 +78,7 @@ def _completed_foreign(
     for name, foreign in given.items():
         if name in methods.names() or name in configuration.methods:
             raise ConfigurationError(f"foreign_results.{name}", "is a method of this package; give another name")
+        _check_text(f"foreign_results.{name}.label", foreign.label)
         read_foreign(foreign.file, name, expected)
     return {
         name: msgspec.structs.replace(foreign, label=foreign.label or name.replace("_", " ").capitalize())
@@ -84,12 +87,28 @@ def _completed_foreign(
 
 
 def _completed_entry(name: str, entry: Environment) -> Environment:
+    _check_text(f"environments.{name}.title", entry.title)
     goals = load_map(entry.map).goals
     tasks = entry.tasks or "".join(goals)
     check_tasks(tasks, goals, f"environments.{name}.tasks")
     discovery_tasks = entry.discovery_tasks or tasks[-3:]
     check_tasks(discovery_tasks, list(tasks), f"environments.{name}.discovery_tasks")
     return msgspec.structs.replace(entry, title=entry.title or name, tasks=tasks, discovery_tasks=discovery_tasks)
+
+
+def _check_text(key: str, text: str) -> None:
+    """Refuse a text that cannot be shown as it is: written to a file, on one line, read from left to right."""
+    unfit = [
+        character
+        for character in text
+        if unicodedata.category(character) in {"Cc", "Cs", "Zl", "Zp"}
+        or unicodedata.bidirectional(character) in {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
+        or ord(character) & 0xFFFE == 0xFFFE
+    ]
+    if unfit or text.startswith("_"):  # matplotlib leaves labels with an underscore out of legends
+        raise ConfigurationError.of_value(
+            key, text, "text without control characters and marks of direction, not starting with _"
+        )
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:

@@ -26,13 +26,17 @@ def escape_latex(text: str) -> str:
 
 def escape_markdown(text: str) -> str:
     """Escape text for a line of Markdown or a cell of a pipe table."""
-    escaped = re.sub(r"([\\|*_<>\[\]`$&#~])", r"\\\1", " ".join(text.split()))
+    escaped = re.sub(r"([\\|*_<>\[\]`$&#~@])", r"\\\1", " ".join(text.split()))
+    escaped = re.sub(r"://|(?<=www)\.", r"\\\g<0>", escaped, flags=re.IGNORECASE)  # no link by itself
     return re.sub(r"^(\d*)([-+=.)])(?=[-=\s]|$)", r"\1\\\2", escaped)  # neither a list nor the underline of a title
 
 
 def escape_rst(text: str) -> str:
-    """Escape text for reStructuredText."""
-    return re.sub(r"([\\*`|_<>:])", r"\\\1", " ".join(text.split()))
+    """Escape text for reStructuredText, where it may begin a block."""
+    words = " ".join(text.split())
+    escaped = re.sub(r"([\\*`|_<>:@])", r"\\\1", words)
+    # an escaped space is nothing, and before it a list, a directive or the line of a title does not begin one
+    return f"\\ {escaped}" if re.match(r"[!-/:-@\[-`{-~•‣⁃]|\w+[.)](\s|$)", words) else escaped
 
 
 def _environment(**options: Any) -> jinja2.Environment:

@@ -10,6 +10,7 @@ from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
 from ptl.files.provenance import check_build, code_digest
+from ptl.report.snakemake_report import keep_texts
 
 
 def refuse(error):
@@ -26,6 +27,9 @@ try:
     config.update(CONFIGURATION.to_dict())
 except UserError as error:
     refuse(error)
+
+if any(argument.startswith("--report") for argument in sys.argv):
+    keep_texts()
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.
