@@ -178,7 +178,7 @@ def _verdicts(found: Mapping[str, Comparison], names: Sequence[str], looks: Mapp
     parts = [
         f"cheaper than PTL in every family: {_listed(cheaper, looks)}" if cheaper else "",
         f"dearer in every family: {_listed(dearer, looks)}" if dearer else "",
-        f"it depends on the family: {_listed(rest, looks)}" if rest else "",
+        f"undecided, or not the same in every family: {_listed(rest, looks)}" if rest else "",
     ]
     return _sentence("; ".join(filter(None, parts)))
 
@@ -265,7 +265,7 @@ def _sentence(text: str) -> str:
 
 
 def _listed(names: Sequence[str], looks: Mapping[str, Look]) -> str:
-    return ", ".join(looks[name].label for name in names)
+    return ", ".join(f"“{looks[name].label}”" for name in names)
 
 
 # -- tables --------------------------------------------------------------------------------------------------
@@ -373,7 +373,8 @@ READING = (
     "How to read this. Cost is the number of steps over all tasks after the first, as a multiple of the optimum"
     " (episodes × shortest paths): 1 cannot be beaten. Means are geometric, brackets are intervals. A method is called"
     " cheaper or dearer in a family if the whole interval of its ratio to PTL on the same maps lies on one side of 1."
-    " The lines above are made from the numbers of this run."
+    " The first number of a line is the geometric mean over the generated families, each counting alike. The lines are"
+    " made from the numbers of this run."
 )
 
 

@@ -46,23 +46,23 @@ def said(**ratios: float | tuple[float, float]) -> list[str]:
 
 
 def test_a_rival_is_called_what_it_is():
-    assert "Cheaper than PTL in every family: R-max, model kept." in said(rmax_memory=0.1)[0]
-    assert "Dearer in every family: R-max, model kept." in said(rmax_memory=3.0)[0]
-    assert "It depends on the family: R-max, model kept." in said(rmax_memory=(0.5, 2.0))[0]
+    assert "Cheaper than PTL in every family: “R-max, model kept”." in said(rmax_memory=0.1)[0]
+    assert "Dearer in every family: “R-max, model kept”." in said(rmax_memory=3.0)[0]
+    assert "Undecided, or not the same in every family: “R-max, model kept”." in said(rmax_memory=(0.5, 2.0))[0]
     assert "less in 1, more in 1 of 2 families" in said(rmax_memory=(0.5, 2.0))[0]
     assert "undecided in 2 of 2 families" in said(rmax_memory=1.0)[0]
 
 
 def test_what_a_rival_may_know_is_said_beside_its_win():
-    fair = "To be fair: R-max, model kept relies on moves being certain"
+    fair = "To be fair: “R-max, model kept” relies on moves being certain"
     assert fair in said(rmax_memory=0.1)[0]
     assert fair not in said(rmax_memory=3.0)[0]
 
 
 def test_the_first_answer_can_be_in_favour_of_the_library():
     first, second, third = said(no_transfer=4.0, rmax_memory=2.0, ptl_goal=1.5)
-    assert "Dearer in every family: No transfer, R-max, model kept." in first
-    assert "Same agent, other subgoals: Dearer in every family: PTL, subgoal = goal." in second
+    assert "Dearer in every family: “No transfer”, “R-max, model kept”." in first
+    assert "Same agent, other subgoals: Dearer in every family: “PTL, subgoal = goal”." in second
     assert "in 2 of 2 families of generated maps, more in 0" in third
     assert "Cheapest is PTL in: Chain of rooms (" in third
     assert "in 0 of 2 families of generated maps, more in 2" in said(no_transfer=0.5)[2]

@@ -53,7 +53,7 @@ with running(snakemake) as job:
         figures.overview(costs, looks, titles),
         costs,
         "Cost of every method in each family of maps",
-        "Cost of every method, one panel a family, with intervals. The last panels are the article’s maps.",
+        "Cost of every method, one panel a family, with intervals.",
     )
     if len(sizes):
         picture(
@@ -124,7 +124,7 @@ with running(snakemake) as job:
     sections = [
         {
             "heading": "Costs",
-            "text": "All methods, each family by itself, the article’s maps last.",
+            "text": "All methods, each family by itself.",
             "figures": [pictures["overview"]],
             "tables": [(cost_table, True), (ratio_table, False), (chances, False)],
         },
@@ -163,7 +163,7 @@ with running(snakemake) as job:
             introduction=beyond.introduction(study, lives),
             answers=beyond.answers(costs, looks, generated, components, titles),
             reading=beyond.READING,
-            sections=sections,
+            sections=[section for section in sections if section["figures"] or section["tables"]],
             method_lines=beyond.method_lines(study),
         ),
     )
