@@ -25,6 +25,7 @@ NAME = text("[a-z][a-z0-9_]*", "lower-case letters, digits and _, starting with 
 NAME_OR_NONE = text("([a-z][a-z0-9_]*)?", "the name of an environment")
 TITLE = text(r"[^{}\x00-\x1f\x7f]*", "text without braces and control characters", 200)
 PATH = text(r"[^-{}\x00-\x1f\x7f][^{}\x00-\x1f\x7f]*", "a path without braces, not starting with -", 1000)
+METHOD = {**PATH, "wanted": "a method: a built-in name, a file that ends in .py, or package.module:Class"}
 COLOUR = text("(#[0-9a-fA-F]{6})?", "a colour such as #8a5a00")
 TASKS = text("[A-HJ-Z]*", "capital letters other than I", 25)
 
@@ -265,13 +266,21 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     root_seed: Annotated[int, key("Seed from which every random stream of the run derives.", ge=0, le=2**63 - 1)] = 2019
     seeds: Annotated[int, key("Learning runs per environment and method.", STATED, ge=1, le=10**5)] = 30
     methods: Annotated[
-        list[Name],
+        list[Annotated[str, key("", **METHOD)]],
         key(
-            "Methods to compare.",
-            wanted="a list of one or more names of files in ptl/methods/, each once",
+            "Methods to compare: names of built-in ones, files that end in .py, or package.module:Class.",
+            wanted="a list of one or more methods (a built-in name, a file ending in .py, package.module:Class),"
+            " each once",
             min_length=1,
         ),
     ]
+    method_parameters: Annotated[
+        dict[Name, dict[str, bool | int | float | str]],
+        key(
+            "Parameters that single methods declare for themselves, by method and parameter.",
+            wanted="names of methods, each with its parameters",
+        ),
+    ] = {}  # noqa: RUF012 (msgspec copies it)
     environments: Annotated[
         dict[Name, Environment],
         key(

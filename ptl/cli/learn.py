@@ -7,39 +7,52 @@ import click
 
 @click.command()
 @click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
-@click.option("--environment", required=True, help="Name of the environment in files and tables.")
-@click.option("--tasks", required=True, help="Goal letters in the order of the tasks, e.g. ABCDEF.")
-@click.option("--method", required=True, help="Identifier of the method.")
-@click.option("--seed", required=True, type=click.IntRange(0), help="Number of the run.")
-@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--environment", help="Name of the environment in files and tables; by default that of the map's file.")
+@click.option("--tasks", help="Goal letters in the order of the tasks, e.g. ABCDEF; by default all goals.")
+@click.option("--method", default="ptl", show_default=True,
+              help="A built-in method, a file that ends in .py, or package.module:Class.")  # fmt: skip
+@click.option("--method-parameters", default="{}", help="Parameters of the method's own as JSON.")
+@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Number of the run.")
+@click.option("--root-seed", default=2019, show_default=True, type=click.IntRange(0),
+              help="Seed from which all streams derive.")  # fmt: skip
 @click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
-@click.option("--output", required=True, type=click.Path(), help="HDF5 file to write.")
+@click.option("--output", type=click.Path(), help="HDF5 file to write; by default ENVIRONMENT_METHOD_SEED.h5.")
 def command(
-    map_path: str, environment: str, tasks: str, method: str, seed: int, root_seed: int, parameters: str, output: str
+    map_path: str,
+    environment: str | None,
+    tasks: str | None,
+    method: str,
+    method_parameters: str,
+    seed: int,
+    root_seed: int,
+    parameters: str,
+    output: str | None,
 ) -> None:
     """Learn a sequence of tasks and write Q-tables, steps, subgoals and the skill library."""
+    from pathlib import Path
+
     from ptl import methods
     from ptl.cli._progress import shown
     from ptl.config import Parameters, check_tasks
-    from ptl.errors import UserError
-    from ptl.files.provenance import code_digest
+    from ptl.files.outside import configured, learning_code, record, values_of
     from ptl.files.results import write_learning
     from ptl.learning.life import learn_life, tasks_of
     from ptl.world.gridworld import load_map
 
-    if method not in methods.names():
-        raise UserError(f"--method {method}: unknown; known are {', '.join(methods.names())}")
+    kind = configured(method, values_of(method_parameters))
     chosen = Parameters.from_json(parameters)
     world = load_map(map_path)
+    tasks = "".join(world.goals) if tasks is None else tasks
     check_tasks(tasks, world.goals)
+    name, environment = methods.identifier(method), environment or Path(map_path).stem
     learned = shown(tasks_of(world, tasks), "Learning tasks")
-    life = learn_life(world, learned, method, chosen, root_seed, environment, seed)
+    life = learn_life(world, learned, kind, chosen, root_seed, environment, seed)
     origin = {
         "environment": environment,
-        "method": method,
+        "method": name,
         "seed": seed,
         "root_seed": root_seed,
-        "parameters": chosen.to_dict(),
-        "code": code_digest("ptl.learning.life", f"ptl.methods.{method}"),
+        "parameters": chosen.to_dict() | record(method, kind),
+        "code": learning_code(method),
     }
-    write_learning(output, life, world, origin)
+    write_learning(output or f"{environment}_{name}_{seed}.h5", life, world, origin)

@@ -14,6 +14,7 @@ from ptl import methods
 from ptl.config import Configuration, Environment, ForeignResults, Learning, check_tasks
 from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
+from ptl.files.outside import configured
 from ptl.keys import ConfigurationError
 from ptl.learning.method_check import check_method
 from ptl.world.gridworld import load_map
@@ -37,13 +38,16 @@ def completed(config: Mapping[str, Any]) -> Configuration:
         kept = {name: entry for name, entry in environments.items() if entry is not None}
         config = {**config, "environments": kept}
     configuration = Configuration.from_dict(config)
-    for identifier in configuration.methods:
-        if identifier not in methods.names():
-            raise ConfigurationError(
-                "methods", f"unknown method {identifier!r}; known are {', '.join(methods.names())}"
-            )
-        check_method(identifier)
-        _check_text(f"methods: label of {identifier}", methods.load(identifier).label)
+    references = methods.by_identifier(configuration.methods)
+    for name in configuration.method_parameters:
+        if name not in references:
+            known = ", ".join(references)
+            raise ConfigurationError(f"method_parameters.{name}", f"is not compared; give parameters of {known}")
+    for name, reference in references.items():
+        check_method(reference)
+        _check_text(f"methods: label of {name}", methods.load(reference).label)
+        if given := configuration.method_parameters.get(name):
+            check_method(configured(reference, given))
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}
     names = sorted(entries, key=lambda name: entries[name].article_items.map or "~")
     growth = configuration.growth
@@ -76,7 +80,7 @@ def _completed_foreign(
         return {}
     expected = expected_of(environments, configuration.seeds, configuration.learning)
     for name, foreign in given.items():
-        if name in methods.names() or name in configuration.methods:
+        if name in methods.names() or name in methods.by_identifier(configuration.methods):
             raise ConfigurationError(f"foreign_results.{name}", "is a method of this package; give another name")
         _check_text(f"foreign_results.{name}.label", foreign.label)
         read_foreign(foreign.file, name, expected)

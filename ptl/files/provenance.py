@@ -69,16 +69,22 @@ def _sources_and_imports(module: str) -> tuple[tuple[Path, ...], frozenset[str]]
         return tuple(PACKAGE / name for name in EXTENSIONS[module]), frozenset()
     path = PACKAGE.joinpath(*module.split(".")[1:])
     path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    imported = imports_of(path.read_text(encoding="utf-8"))
+    folder = FOLDERS.get(module)
+    files = sorted(file for file in (PACKAGE / folder).iterdir() if file.is_file()) if folder else []
+    return (path, *files), frozenset(imported)
+
+
+def imports_of(source: str) -> set[str]:
+    """Return the modules of this package that a source imports."""
     imported: set[str] = set()
-    for origin, listed, whole in IMPORT.findall(path.read_text(encoding="utf-8")):
+    for origin, listed, whole in IMPORT.findall(source):
         if whole:
             imported.add(whole)
         for alias in re.findall(r"(\w+)(?: as \w+)?", re.sub(r"#.*", "", listed)):
             name = f"{origin}.{alias}"
             imported.add(name if _is_module(name) else origin)
-    folder = FOLDERS.get(module)
-    files = sorted(file for file in (PACKAGE / folder).iterdir() if file.is_file()) if folder else []
-    return (path, *files), frozenset(imported)
+    return imported
 
 
 def _is_module(name: str) -> bool:

@@ -15,10 +15,12 @@ from ptl.files.csv import broken_seal, seal_of
 from ptl.files.hdf5 import Node, read_file
 from ptl.files.manifest import MANIFEST, damages
 from ptl.files.manifest import read as read_manifest
+from ptl.files.outside import RECORD, learning_code
 from ptl.files.provenance import code_digest
 from ptl.files.remedies import make_again
 from ptl.files.results import WITH_ORIGIN, LearningFile, ResultFile, read_result
 from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SETTING, STEPS
+from ptl.methods import names
 from ptl.methods.beyond import module_of
 
 FOLDERS = (
@@ -117,7 +119,8 @@ class OneRun:
         path = Path(path)
         for fault in _foreign(path, result, current_code=True):
             raise UserError(f"{path}: {fault}; {make_again(path)}")
-        settings = {"root_seed": result.root_seed, **result.parameters}
+        shared = {name: value for name, value in result.parameters.items() if name != RECORD}
+        settings = {"root_seed": result.root_seed, **shared}
         first, expected = self._first.setdefault("settings", (path, settings))
         if settings != expected:
             differing = ", ".join(key for key in expected if settings.get(key) != expected[key]) or "parameters"
@@ -130,14 +133,25 @@ class OneRun:
 
 def _foreign(path: Path, result: ResultFile, current_code: bool) -> Iterator[str]:
     yield from _misplaced(path, result)
-    if current_code and result.code != _present_code(result.format, result.file.attrs.get("method", "")):
+    if not current_code:
+        return
+    method = str(result.file.attrs.get("method", ""))
+    outside = result.parameters.get(RECORD)
+    reference = str(outside["reference"]) if isinstance(outside, dict) and "reference" in outside else method
+    if reference == method and method and method not in names():
+        yield f"was made by the method {method}, which is not there"
+    elif reference != method and not reference.endswith(".py"):
+        pass  # nothing that a file names is imported
+    elif reference != method and not Path(reference).is_file():
+        yield f"was made by the method {reference}, which is not there"
+    elif result.code != _present_code(result.format, reference):
         yield "was made by another version of the code"
 
 
 @cache
 def _present_code(kind: str, method: str) -> str:
     if kind == LEARNING:
-        return code_digest("ptl.learning.life", f"ptl.methods.{method}")
+        return learning_code(method)
     if kind == GROWTH:
         return code_digest("ptl.learning.growth", f"ptl.methods.{method}")
     return code_digest("ptl.learning.survey")

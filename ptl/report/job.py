@@ -35,6 +35,8 @@ class Job:
         Methods in the order of the report.
     foreign : mapping
         Entry of the configuration of each method that another program has run.
+    own_looks : mapping
+        Label and colour of each method of the run.
     """
 
     input: Any
@@ -43,6 +45,7 @@ class Job:
     environments: Mapping[str, Environment]
     methods: list[str]
     foreign: Mapping[str, ForeignResults] = field(default_factory=dict)
+    own_looks: Mapping[str, tuple[str, str]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, snakemake: Any) -> Job:
@@ -55,6 +58,7 @@ class Job:
             {name: Environment.from_dict(entry) for name, entry in given.get("environments", {}).items()},
             list(given.get("methods", ())),
             {name: ForeignResults.from_dict(entry) for name, entry in given.get("foreign", {}).items()},
+            {name: (label, colour) for name, (label, colour) in given.get("looks", {}).items()},
         )
 
     @property
@@ -65,12 +69,10 @@ class Job:
     @property
     def looks(self) -> dict[str, tuple[str, str]]:
         """Label and colour of each method, those of other programs last."""
-        from ptl import methods
         from ptl.report.figures.style import CATEGORIES
 
-        loaded = {name: methods.load(name) for name in self.methods}
         return {
-            **{name: (method.label, method.colour) for name, method in loaded.items()},
+            **self.own_looks,
             **{
                 name: (entry.label, entry.colour or CATEGORIES[place % len(CATEGORIES)])
                 for place, (name, entry) in enumerate(self.foreign.items())
@@ -91,6 +93,7 @@ class Job:
 @contextmanager
 def running(snakemake: Any) -> Iterator[Job]:
     """Run a script's block with stderr in the log file of the rule; end with one line and status 1 on a `UserError`."""
+    sys.path.append(str(Path.cwd()))  # for methods that lie in the study's folder
     with Path(snakemake.log[0]).open("w", encoding="utf-8") as log:
         os.dup2(log.fileno(), sys.stderr.fileno())
     try:

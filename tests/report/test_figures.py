@@ -120,9 +120,10 @@ def job(kind: str, folder: Path, entry: dict | None = None, files: dict | None =
     inputs = {name: placed(names) for name, names in INPUTS[kind].items()} | (files or {})
     groups = {name: SimpleNamespace(**(group | changes.get(name, {}))) for name, group in GROUPS.items()}
     settings = {"map": str(folder / "small.txt"), "title": "Small", "tasks": "ABC", "discovery_tasks": "BC"}
-    methods = ["no_transfer", "ptl"] if kind == "measures" else METHODS
+    compared = ["no_transfer", "ptl"] if kind == "measures" else METHODS
+    looks = {name: (methods.load(name).label, methods.load(name).colour) for name in compared}
     environments = {"small": SimpleNamespace(**(settings | (entry or {})))}
-    return Job(SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, methods)
+    return Job(SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, compared, own_looks=looks)
 
 
 def draw(kind: str, output: Path, work: Job) -> None:

@@ -34,7 +34,7 @@ environments:
   rooms: {map: rooms.txt, tasks: AB}
   again: {map: rooms.txt, tasks: BA}
   env1: {map: rooms.txt, tasks: AB, article_items: {discovery: figure11}}
-methods: [no_transfer, policy_reuse, ptl]
+methods: [no_transfer, policy_reuse, ptl, mine.py]
 growth: {tasks: 9, runs: 2}
 subgoal_frequencies: {batches: 1}
 """
@@ -51,6 +51,23 @@ unknowns: {}
 
 ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 
+MINE = """
+from typing import Annotated
+
+from ptl.keys import Group, key
+from ptl.methods.no_transfer import Method as NoTransfer
+
+
+class Own(Group, frozen=True, kw_only=True):
+    weight: Annotated[float, key("Weight.", ge=0, le=10)] = 1.0
+
+
+class Method(NoTransfer):
+    label = "Mine"
+    colour = "#123456"
+    own = Own()
+"""
+
 Jobs = dict[str, tuple[Any, ...]]
 
 
@@ -59,7 +76,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a tiny run and a tiny robustness study."""
     folder = tmp_path_factory.mktemp("tiny")
     shutil.copytree(ROOT / "config", folder / "config")
-    for name, text in {"config/config.yaml": TINY, "config/robustness.yaml": STUDY, "rooms.txt": ROOMS}.items():
+    texts = {"config/config.yaml": TINY, "config/robustness.yaml": STUDY, "rooms.txt": ROOMS, "mine.py": MINE}
+    for name, text in texts.items():
         (folder / name).write_text(text)
     places = product("AB", range(2), range(1, 201))
     rows = [f"rooms,rooms,{task},{seed},{episode},999\n" for task, seed, episode in places]
@@ -131,7 +149,7 @@ TEXTS = {
 FOREIGN = {"foreign_results": {"rooms": {"file": "walker.csv"}}}
 """Results of another program, which fit one number of seeds and episodes only."""
 
-LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"]}
+LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"], "method_parameters": {"mine": {"weight": 2}}}
 
 LEARNING = {"learn", "learn_misleading", "grow", "learn_setting", "decide"}
 RULES = {
@@ -139,6 +157,7 @@ RULES = {
     "root_seed": {*LEARNING, "survey_batch", "learn_fv"},
     "seeds": {"learn", "learn_misleading", "learn_fv", "measure"},
     "methods": {"measure", "tabulate", "front_page", "build_explorer", "learn_setting"},
+    "method_parameters": {"learn", "build_explorer"},
     "environments.rooms.map": {"learn", "survey_batch", "learn_setting", "judge_claims", "draw_figure"},
     "environments.rooms.title": {"tabulate", "draw_figure", "build_explorer", "front_page"},
     "environments.rooms.tasks": {"learn", "learn_setting", "judge_claims", "tabulate", "draw_figure"},

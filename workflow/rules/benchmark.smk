@@ -16,7 +16,7 @@ rule compare_speed:
     threads: 1024
     params:
         task=config["environments"][ENVIRONMENTS[0]]["tasks"][-1],
-        config=config,
+        config=OWN_CONFIG,
         code=code_digest(
             "ptl.benchmark.pages", "ptl.benchmark.numba_loop", "ptl.benchmark.run"
         ),

@@ -6,9 +6,11 @@ import shlex
 import sys
 from pathlib import Path
 
+from ptl import methods
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
+from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.report.snakemake_report import keep_texts
 
@@ -19,6 +21,7 @@ def refuse(error):
     os._exit(1)
 
 
+sys.path.append(os.getcwd())  # for methods that lie in the study's folder
 try:
     check_build()
     for path in workflow.configfiles:
@@ -39,7 +42,11 @@ shell.prefix(
 )
 
 ENVIRONMENTS = list(config["environments"])
-METHODS = config["methods"]
+REFERENCES = methods.by_identifier(config["methods"])
+METHODS = list(REFERENCES)
+BUILT_IN = [name for name in METHODS if REFERENCES[name] == name]
+# The studies of the article's claims know the package's own methods only.
+OWN_CONFIG = {**config, "methods": BUILT_IN, "method_parameters": {}}
 FOREIGN = config["foreign_results"]
 SEEDS = range(config["seeds"])
 ARTICLE = CONFIGURATION.article
@@ -99,9 +106,20 @@ def learning_files(environments=ENVIRONMENTS, methods=METHODS):
     )
 
 
-def method_modules(methods):
-    """Modules that give methods their names and colours."""
-    return [f"ptl.methods.{method}" for method in methods]
+def method_modules(names):
+    """Modules that define methods of the package."""
+    return [f"ptl.methods.{name}" for name in names if name in BUILT_IN]
+
+
+def looks(names=METHODS):
+    """Label and colour of methods."""
+    kinds = {name: methods.load(REFERENCES[name]) for name in names}
+    return {name: [kind.label, kind.colour] for name, kind in kinds.items()}
+
+
+def own_parameters(name):
+    """Parameters of a method's own that the configuration gives."""
+    return config["method_parameters"].get(name, {})
 
 
 def shares_of_study():

@@ -29,7 +29,8 @@ rule build_explorer:
     params:
         groups=groups("measures"),
         environments=entries(),
-        methods=METHODS,
+        given={name: [REFERENCES[name], own_parameters(name)] for name in METHODS},
+        looks=looks(),
         code=code_digest(
             "ptl.report.explorer.data",
             "ptl.report.explorer.page",

@@ -3,7 +3,7 @@
 
 from ptl.report.figures import figures as figure_rows, item_label
 
-FIGURES = figure_rows(config, ARTICLE)
+FIGURES = figure_rows({**config, "methods": METHODS}, ARTICLE)
 
 
 # Input files of a figure by kind, as its row asks for them.
@@ -54,6 +54,9 @@ rule draw_figure:
         groups=lambda wildcards: groups(*FIGURES[wildcards.figure].groups),
         environments=lambda wildcards: entries(FIGURES[wildcards.figure].environments),
         methods=lambda wildcards: FIGURES[wildcards.figure].methods,
+        looks=lambda wildcards: looks(
+            [name for name in FIGURES[wildcards.figure].methods if name in METHODS]
+        ),
         foreign=lambda wildcards: (
             FOREIGN if FIGURES[wildcards.figure].with_foreign else {}
         ),

@@ -16,10 +16,8 @@ rule search_fit:
     params:
         lives=f"results/{config['run']}/fit",
         reports=subpath(output.tried, parent=True),
-        config=json.dumps(config, sort_keys=True),
-        code=code_digest(
-            "ptl.study.fit", *[f"ptl.methods.{method}" for method in METHODS]
-        ),
+        config=json.dumps(OWN_CONFIG, sort_keys=True),
+        code=code_digest("ptl.study.fit", *method_modules(METHODS)),
     message:
         "Searching for drawings and settings that fit the claims"
     shell:

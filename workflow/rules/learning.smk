@@ -17,14 +17,16 @@ rule learn:
         root_seed=config["root_seed"],
         tasks=lambda wildcards: config["environments"][wildcards.environment]["tasks"],
         parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
-        code=lambda wildcards: code_digest(
-            "ptl.learning.life", f"ptl.methods.{wildcards.method}", "ptl.files.results"
+        method=lambda wildcards: REFERENCES[wildcards.method],
+        own=lambda wildcards: json.dumps(own_parameters(wildcards.method)),
+        code=lambda wildcards: learning_code(
+            REFERENCES[wildcards.method], "ptl.files.results"
         ),
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"
     shell:
         "ptl learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
-        " --method {wildcards.method} --seed {params.seed} --root-seed {params.root_seed}"
+        " --method {params.method:q} --method-parameters {params.own:q} --seed {params.seed} --root-seed {params.root_seed}"
         " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
 
 

@@ -17,14 +17,14 @@ rule front_page:
         "../envs/ptl.yaml"
     params:
         environments=entries(),
-        methods=METHODS,
+        looks=looks(),
         foreign=FOREIGN,
         figures={
             name: (f"{item_label(name, row)}: {row.shows}", row.caption)
             for name, row in FIGURES.items()
         },
         tables=TABLES,
-        code=code_digest("ptl.report.front_page", *method_modules(METHODS)),
+        code=code_digest("ptl.report.front_page"),
     message:
         "Composing the front page of the report and {output.page}"
     script:

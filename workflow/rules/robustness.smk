@@ -5,7 +5,7 @@ from ptl.study.robustness.design import StudyJobs
 
 STUDY = config["robustness"]["study"]
 # read only when the study is asked for
-SETTINGS = StudyJobs(STUDY, config, refuse)
+SETTINGS = StudyJobs(STUDY, OWN_CONFIG, refuse)
 
 
 rule learn_setting:
@@ -25,7 +25,7 @@ rule learn_setting:
         ),
         code=code_digest(
             "ptl.study.robustness.running",
-            *[f"ptl.methods.{method}" for method in METHODS],
+            *method_modules(METHODS),
         ),
     message:
         "Learning the setting {wildcards.setting} of the robustness study"

@@ -33,9 +33,9 @@ rule tabulate:
     params:
         groups=groups("measures", "statistics"),
         environments=entries(),
-        methods=METHODS,
+        looks=looks(),
         foreign=FOREIGN,
-        code=code_digest("ptl.report.metric_tables", *method_modules(METHODS)),
+        code=code_digest("ptl.report.metric_tables"),
     message:
         "Estimating every measure and laying out {output.metrics} and the tables"
     script:

@@ -35,7 +35,9 @@ from ptl import methods
 from ptl.agent.policies import greedy_policy
 from ptl.agent.skills import Skill
 from ptl.errors import UserError
+from ptl.files.outside import RECORD
 from ptl.files.results import LearningFile, TaskView, open_learning
+from ptl.methods import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
 from ptl.report.explorer.replay import Notes, replay
 from ptl.world.gridworld import ACTIONS
@@ -47,7 +49,8 @@ LETTERS = np.array([*(name[0].upper() for name in ACTIONS), "."])
 """Letter of each action; the last one stands for -1, undefined."""
 
 
-def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, str] | None = None) -> dict[str, Any]:
+def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, str] | None = None,
+            kinds: Mapping[str, type[BaseMethod]] | None = None) -> dict[str, Any]:  # fmt: skip
     """Return the data set of the page.
 
     Parameters
@@ -58,6 +61,8 @@ def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, st
         Episodes of the final mean.
     titles : mapping, optional
         Title of an environment by name; the name itself when left out.
+    kinds : mapping, optional
+        Class of a method by identifier; built-in ones can be left out.
 
     Raises
     ------
@@ -66,28 +71,31 @@ def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, st
         seed that another one has.
     """
     environments: dict[str, dict[str, Any]] = {}
-    kinds: dict[str, dict[str, str]] = {}
+    shown: dict[str, dict[str, str]] = {}
     for path in paths:
         with open_learning(path) as file:
-            _add(file, environments, titles or {})
-            kinds[file.method] = _kind(file)
+            kind = (kinds or {}).get(file.method) or methods.load(file.method)
+            _add(file, environments, titles or {}, kind)
+            shown[file.method] = _look(file, kind)
     if not environments:
         raise UserError("no learning file to show; name the files of a run")
     _check_complete(environments.values())
     return {
         "actions": list(ACTIONS),
         "window": window,
-        "methods": kinds,
+        "methods": shown,
         "environments": list(environments.values()),
     }
 
 
-def _add(file: LearningFile, environments: dict[str, dict[str, Any]], titles: Mapping[str, str]) -> None:
+def _add(
+    file: LearningFile, environments: dict[str, dict[str, Any]], titles: Mapping[str, str], kind: type[BaseMethod]
+) -> None:
     fresh = {
         "name": file.environment,
         "title": titles.get(file.environment, file.environment),
         "map": file.world.text,
-        "parameters": file.parameters,
+        "parameters": {name: group for name, group in file.parameters.items() if name != RECORD},
         "tasks": list(file.tasks),
         "seeds": [],
         "methods": [],
@@ -108,12 +116,11 @@ def _add(file: LearningFile, environments: dict[str, dict[str, Any]], titles: Ma
     entry["seeds"] = sorted({*entry["seeds"], file.seed})
     entry["runs"][name] = {
         "skills": [_skill(skill) for skill in file.library or []],
-        "tasks": [_task(task, notes) for task, notes in zip(file.tasks.values(), replay(file), strict=True)],
+        "tasks": [_task(task, notes) for task, notes in zip(file.tasks.values(), replay(file, kind), strict=True)],
     }
 
 
-def _kind(file: LearningFile) -> dict[str, str]:
-    kind = methods.load(file.method)
+def _look(file: LearningFile, kind: type[BaseMethod]) -> dict[str, str]:
     guides = "policies" if issubclass(kind, PolicyReuse) else "none" if file.library is None else "skills"
     return {"label": kind.label, "colour": kind.colour, "guides": guides}
 

@@ -15,9 +15,9 @@ import numpy as np
 from ptl import methods
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
-from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.results import LearningFile, TaskView
+from ptl.files.schema import learning_parameters
 from ptl.learning.life import Task, TaskRecord, learn_task
 from ptl.methods._base import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
@@ -52,8 +52,13 @@ class Notes:
     parts: list[list[int]] = field(default_factory=list)
 
 
-def replay(file: LearningFile) -> Iterator[Notes]:
+def replay(file: LearningFile, kind: type[BaseMethod] | None = None) -> Iterator[Notes]:
     """Learn the tasks of a file again and yield the notes of each.
+
+    Parameters
+    ----------
+    kind : type, optional
+        Class of the file's method, if it is no built-in one.
 
     Raises
     ------
@@ -61,9 +66,9 @@ def replay(file: LearningFile) -> Iterator[Notes]:
         If a task's steps, draws or values differ from those of the file.
     """
     names = (file.method, file.environment, file.seed)
-    parameters = Parameters.from_dict(file.parameters)
+    parameters = learning_parameters(file.parameters)
     choices = seeding.generator(file.root_seed, *names, "choices")
-    method = _Watched(methods.load(file.method)(file.world, parameters, choices))
+    method = _Watched((kind or methods.load(file.method))(file.world, parameters, choices))
     dynamics = Dynamics(file.world.successors)
     for index, stored in enumerate(file.tasks.values()):
         task = Task(stored.name, stored.start, stored.goal)
