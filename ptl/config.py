@@ -245,9 +245,7 @@ class SubgoalFrequencies(Group, frozen=True, kw_only=True):
     ] = "all"
     batches: Annotated[
         int,
-        key(
-            "Jobs that an environment's start states are shared out to; the counts do not depend on it.", ge=1, le=1000
-        ),
+        key("Jobs that an environment's goals are shared out to; the counts do not depend on it.", ge=1, le=1000),
     ] = 8
 
 

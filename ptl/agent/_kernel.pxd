@@ -3,6 +3,11 @@ cimport cython
 from libc.stdint cimport int64_t, uint8_t, uint32_t, uint64_t
 from numpy.random cimport bitgen_t
 
+cdef enum:
+    SLOTS = 16       # moves of a state in the table: 12 greedy, then 4 uniform
+    GREEDY_SLOTS = 12
+    ALL_ACTIONS = 15
+
 
 @cython.final
 cdef class Dynamics:
@@ -66,3 +71,28 @@ cdef class Learner:
     cdef int run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) except -1 nogil
     cdef int run_reuse(self, const signed char* policy, double psi, double decay) except -1 nogil
     cdef int erase_loops(self, uint32_t* path) noexcept nogil
+
+
+cdef inline void update(Learner learner, double* values, const double* target, double alpha,
+                        uint32_t state, uint32_t action, uint32_t successor) noexcept nogil:
+    """One Q-learning update; the pointers come as arguments because the hot loop keeps them in registers."""
+    approach(learner, values, target[successor], alpha, state, action)
+
+
+cdef inline void approach(Learner learner, double* values, double target, double alpha,
+                          uint32_t state, uint32_t action) noexcept nogil:
+    """Q(s,a) += alpha (target - Q(s,a)), with all tables that follow from Q."""
+    cdef double old = values[4 * state + action]
+    cdef double new
+    if old == target:
+        return
+    new = old + alpha * (target - old)
+    values[4 * state + action] = new
+    if new > learner.best[state]:
+        if learner.greedy[state] == 1 << action:
+            learner.best[state] = new
+            learner.target[state] = learner.gamma * new
+            return
+    elif new < learner.best[state] and not learner.greedy[state] >> action & 1:
+        return
+    learner.refresh(state)

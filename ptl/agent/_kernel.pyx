@@ -61,9 +61,6 @@ SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
 
 cdef enum:
-    SLOTS = 16       # moves of a state in the table: 12 greedy, then 4 uniform
-    GREEDY_SLOTS = 12
-    ALL_ACTIONS = 15
     WORDS = 256      # random words drawn at a time
 
 MOST_STATES = 2**32 // SLOTS  # so that an offset into the table of moves fits 32 bits
@@ -140,31 +137,6 @@ cdef double* pointer_double(array):
 cdef uint64_t threshold(double probability) noexcept nogil:
     """The number of 32-bit draws out of 2**32 that stand for a probability."""
     return <uint64_t>(probability * TWO_32)
-
-
-cdef inline void update(Learner learner, double* values, const double* target, double alpha,
-                        uint32_t state, uint32_t action, uint32_t successor) noexcept nogil:
-    """One Q-learning update; the pointers come as arguments because the hot loop keeps them in registers."""
-    approach(learner, values, target[successor], alpha, state, action)
-
-
-cdef inline void approach(Learner learner, double* values, double target, double alpha,
-                          uint32_t state, uint32_t action) noexcept nogil:
-    """Q(s,a) += alpha (target - Q(s,a)), with all tables that follow from Q."""
-    cdef double old = values[4 * state + action]
-    cdef double new
-    if old == target:
-        return
-    new = old + alpha * (target - old)
-    values[4 * state + action] = new
-    if new > learner.best[state]:
-        if learner.greedy[state] == 1 << action:
-            learner.best[state] = new
-            learner.target[state] = learner.gamma * new
-            return
-    elif new < learner.best[state] and not learner.greedy[state] >> action & 1:
-        return
-    learner.refresh(state)
 
 
 cdef inline uint32_t draw(Learner learner) noexcept nogil:
@@ -587,8 +559,9 @@ cdef class Learner:
             self.informed[state] = 0
             self.fill_moves(state)
         self.n_informed = 0
-        memset(self.taken_actions, 0, 4 * n)
-        memset(self.taken_pairs, 0, 16 * n)
+        if self.notes_pairs:
+            memset(self.taken_actions, 0, 4 * n)
+            memset(self.taken_pairs, 0, 16 * n)
         memset(self.cold, self.shortcut, n)
         self.target[self.goal] = 0.0
         self.target[goal] = 1.0

@@ -36,7 +36,7 @@ def batch(
     parameters: str,
     output: str,
 ) -> None:
-    """Learn all tasks from every BATCHES-th start state."""
+    """Learn all tasks to every BATCHES-th state."""
     from ptl.cli._progress import shown
     from ptl.config import Parameters
     from ptl.errors import UserError
@@ -52,9 +52,9 @@ def batch(
         raise UserError(f"--batch: {batch} is not allowed; give a number below --batches ({batches})")
     chosen = Parameters.from_json(parameters)
     world = load_map(map_path)
-    states = chosen_starts(world, None if survey.starts == "all" else survey.starts, root_seed, environment)
-    watched = shown(states[batch::batches].tolist(), "Start states")
-    arrays = subgoal_frequencies(world, watched, trajectories, chosen.learning, root_seed, environment)
+    origins = chosen_starts(world, None if survey.starts == "all" else survey.starts, root_seed, environment)
+    goals = shown(range(world.n_states)[batch::batches], "Goals")
+    arrays = subgoal_frequencies(world, origins, goals, trajectories, chosen.learning, root_seed, environment)
     origin = {
         "environment": environment,
         "batch": batch,

@@ -252,7 +252,7 @@ KINDS = {
                 attributes=(
                     _ENVIRONMENT,
                     Attribute("trajectories", "int", "successful episodes of each task", 1),
-                    Attribute("batch", "int", "number of the batch, in a file of some of the starts", 0, optional=True),
+                    Attribute("batch", "int", "number of the batch, in a file of some of the goals", 0, optional=True),
                     Attribute("batches", "int", "batches in all, in the same files", 1, optional=True),
                     _ROOT_SEED,
                     _PARAMETERS,
@@ -264,8 +264,7 @@ KINDS = {
                     Array("counts", "int64", ("n",), "pairs of start and goal whose subgoal is the state", 0),
                     Array("unresolved", "int64", (), "pairs whose metric is 0 everywhere (adjacent cells)", 0),
                     Array("pairs", "int64", (), "pairs in all", 0),
-                    Array("starts", "int64", (), "start states in all", 0, "n"),
-                    Array("total_steps", "int64", (), "steps of all episodes", 0),
+                    Array("simulated_steps", "int64", (), "steps simulated, a small part of all steps", 0),
                 ),
             ),
         ),

@@ -13,13 +13,10 @@ from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics
 from ptl.config import Learning
 from ptl.errors import UserError
-from ptl.learning._survey import subgoals_from
+from ptl.learning._survey import GIVEN_UP, NO_SUBGOAL, Survey
 from ptl.world.gridworld import GridWorld
 
-ATTEMPTS_PER_TRAJECTORY = 10
-"""A task is given up after this many episodes for each successful one that is wanted."""
-
-ARRAYS = ("counts", "unresolved", "pairs", "total_steps", "starts")
+ARRAYS = ("counts", "unresolved", "pairs", "simulated_steps")
 """Names of the arrays that a survey yields; all of them add up over batches."""
 
 
@@ -32,52 +29,52 @@ def chosen_starts(world: GridWorld, number: int | None, root_seed: int, environm
 
 
 def subgoal_frequencies(
-    world: GridWorld, starts: Iterable[int], trajectories: int, learning: Learning, root_seed: int, environment: str
+    world: GridWorld,
+    starts: np.ndarray,
+    goals: Iterable[int],
+    trajectories: int,
+    learning: Learning,
+    root_seed: int,
+    environment: str,
 ) -> dict[str, np.ndarray]:
-    """Count subgoals over the tasks from each start to every other state that it can reach.
+    """Count subgoals over the tasks to each goal from every start, other than the goal, that can reach it.
 
-    Each start has a random stream of its own, so the counts do not depend on how starts are shared out to jobs.
+    Each goal has a random stream of its own, so the counts do not depend on how goals are shared out to jobs.
 
     Returns
     -------
     dict
         ``counts`` (n_states,) int64: tasks whose subgoal is the state; ``unresolved``: tasks whose metric is 0
-        everywhere (adjacent cells); ``pairs``, ``total_steps``, ``starts`` (number of start states).
+        everywhere (adjacent cells); ``pairs``; ``simulated_steps``, a small part of all steps of these tasks.
 
     Raises
     ------
     UserError
-        If a task did not succeed often enough within the step limit.
+        If an episode did not reach the goal within the step limit.
     """
-    dynamics = Dynamics(world.successors)
+    survey = Survey(
+        Dynamics(world.successors),
+        trajectories,
+        alpha=learning.alpha,
+        gamma=learning.gamma,
+        epsilon=learning.epsilon,
+        max_steps=learning.max_steps,
+    )
     counts = np.zeros(world.n_states, dtype=np.int64)
-    unresolved = pairs = total_steps = n_starts = 0
-    for start in starts:
-        distance = world.distances_to(start)
-        goals = np.flatnonzero(distance > 0).astype(np.int32)
-        subgoals, steps = subgoals_from(
-            dynamics,
-            int(start),
-            goals,
-            seeding.bit_generator(root_seed, "subgoal_frequencies", environment, int(start)),
-            trajectories,
-            trajectories * ATTEMPTS_PER_TRAJECTORY,
-            alpha=learning.alpha,
-            gamma=learning.gamma,
-            epsilon=learning.epsilon,
-            max_steps=learning.max_steps,
-        )
-        if (subgoals == -2).any():
+    unresolved = pairs = 0
+    for goal in goals:
+        origins = starts[world.distances_to(goal)[starts] > 0]
+        random = seeding.bit_generator(root_seed, "subgoal_frequencies", environment, int(goal))
+        subgoals = survey.subgoals_to(goal, origins, random)
+        if (subgoals == GIVEN_UP).any():
             raise UserError(
-                f"{world.name}: from state {start} to state {goals[subgoals == -2][0]} too few episodes reached the"
-                " goal within learning.max_steps; raise that limit"
+                f"{world.name}: an episode from state {origins[subgoals == GIVEN_UP][0]} to state {goal} did not reach"
+                " the goal within learning.max_steps; raise that limit"
             )
         counts += np.bincount(subgoals[subgoals >= 0], minlength=world.n_states)
-        unresolved += int((subgoals == -1).sum())
-        pairs += len(goals)
-        total_steps += steps
-        n_starts += 1
-    values = (counts, unresolved, pairs, total_steps, n_starts)
+        unresolved += int((subgoals == NO_SUBGOAL).sum())
+        pairs += len(origins)
+    values = (counts, unresolved, pairs, survey.steps)
     return {name: np.asarray(value, dtype=np.int64) for name, value in zip(ARRAYS, values, strict=True)}
 
 

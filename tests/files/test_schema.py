@@ -90,7 +90,7 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     write_life(folder / "learning", "ptl", tasks="A")
     life = grow_library(ROOMS, 6, QUICK, ROOT_SEED, "rooms", 0)
     write_growth(paths[GROWTH], life, ROOMS, origin("ptl", 0, module="growth"))
-    counts = subgoal_frequencies(ROOMS, range(3), 3, QUICK.learning, ROOT_SEED, "rooms")
+    counts = subgoal_frequencies(ROOMS, np.arange(3), range(9), 3, QUICK.learning, ROOT_SEED, "rooms")
     whence = {"environment": "rooms", "trajectories": 3, "batch": 0, "batches": 1, "root_seed": ROOT_SEED,
               "parameters": QUICK.to_dict(), "code": code_digest("ptl.learning.survey")}  # fmt: skip
     write_frequencies(paths[FREQUENCIES], counts, ROOMS, whence)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from reference import ReferenceLearner
+from scipy import stats
 
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.subgoals import fd_metric
 from ptl.config import Learning
 from ptl.errors import UserError
-from ptl.learning._survey import subgoals_from
+from ptl.learning._survey import NO_SUBGOAL, Survey, subgoals_from
 from ptl.learning.survey import add_up, chosen_starts, subgoal_frequencies
 from ptl.world.gridworld import GridWorld
 
@@ -64,13 +67,14 @@ def test_first_task_of_a_survey_equals_the_kernel(env3):
 
 
 def test_counts_add_up_and_do_not_depend_on_batches():
-    whole = subgoal_frequencies(ROOMS, range(ROOMS.n_states), 5, Learning(), 1, "rooms")
+    n = ROOMS.n_states
+    everywhere = np.arange(n)
+    whole = subgoal_frequencies(ROOMS, everywhere, range(n), 5, Learning(), 1, "rooms")
     parts = [
-        subgoal_frequencies(ROOMS, range(ROOMS.n_states)[batch::3], 5, Learning(), 1, "rooms") for batch in range(3)
+        subgoal_frequencies(ROOMS, everywhere, range(n)[batch::3], 5, Learning(), 1, "rooms") for batch in range(3)
     ]
     for name, value in add_up(parts).items():
         np.testing.assert_array_equal(value, whole[name])
-    n = ROOMS.n_states
     assert whole["pairs"] == n * (n - 1) and whole["counts"].sum() + whole["unresolved"] == whole["pairs"]
     adjacent = sum(len(set(row) - {state}) for state, row in enumerate(ROOMS.successors.tolist()))
     # Adjacent cells leave no state in between unless an early episode made a detour.
@@ -80,7 +84,204 @@ def test_counts_add_up_and_do_not_depend_on_batches():
 
 def test_survey_refuses_what_does_not_succeed():
     with pytest.raises(UserError, match=r"learning\.max_steps"):
-        subgoal_frequencies(ROOMS, [0], 5, Learning(max_steps=1), 1, "rooms")
+        subgoal_frequencies(ROOMS, np.array([0]), range(1, 9), 5, Learning(max_steps=1), 1, "rooms")
+
+
+# -- trees against the exact law -----------------------------------------------------------------------------
+
+LEVEL = 0.001
+"""Probability that a test of this file rejects a right law; seeds are fixed, so it does so always or never."""
+
+TWO_ROOMS = GridWorld.from_text("########\n#I.#...#\n#......#\n#..#..A#\n########\n")
+RING = GridWorld.from_text("I...\n.##.\n.##.\n...A\n")
+DEAD_ENDS = GridWorld.from_text("....\nI...\n#.#.\n..#A\n.#..\n")
+
+
+def surveyed(world: GridWorld, start: int, goal: int, samples: int, episodes: int, margin: int = 2, **law) -> list[int]:
+    """Subgoals of independent tasks, each with trees of its own."""
+    random = np.random.SFC64(7)
+    survey = Survey(Dynamics(world.successors), episodes, margin=margin, max_steps=10**7, **law)
+    return [int(survey.subgoals_to(goal, [start], random)[0]) for _ in range(samples)]
+
+
+def path_law(world: GridWorld, policy: np.ndarray, start: int, goal: int) -> dict[tuple[int, ...], float]:
+    """The probability of each loop-erased path of a walk under a fixed policy.
+
+    A path is left for good at each of its states in turn; before that the walk may return to the state without the
+    goal and the path so far: a Green function, from a linear system, times the probability of the move.
+    """
+    n = world.n_states
+    connected = np.flatnonzero(world.distances_to(goal) >= 0).tolist()
+    moves = np.zeros((n, n))
+    np.add.at(moves, (np.arange(n)[:, None], world.successors), policy)
+    law: dict[tuple[int, ...], float] = {}
+
+    def go_on(path: list[int], probability: float) -> None:
+        here = path[-1]
+        if here == goal:
+            law[tuple(path)] = probability
+            return
+        free = [state for state in connected if state != goal and state not in path[:-1]]
+        visits = np.linalg.solve(np.eye(len(free)) - moves[np.ix_(free, free)], np.eye(len(free)))
+        stay = visits[free.index(here), free.index(here)]
+        for after in set(world.successors[here].tolist()) - set(path):
+            go_on([*path, after], probability * stay * moves[here, after])
+
+    go_on([start], 1.0)
+    return law
+
+
+def after_path(world: GridWorld, path: tuple[int, ...], policy: np.ndarray, epsilon: float) -> np.ndarray:
+    """The policy after an episode with gamma = 0: only moves into the goal are known, the first one stays greedy."""
+    policy = policy.copy()
+    last, goal = path[-2], path[-1]
+    (action,) = np.flatnonzero(world.successors[last] == goal)
+    policy[last] = epsilon / 4
+    policy[last, action] += 1 - epsilon
+    return policy
+
+
+def subgoal_law(world: GridWorld, start: int, goal: int, episodes: int, epsilon: float) -> dict[int, float]:
+    """The exact law of the subgoal for gamma = 0, over all tuples of paths."""
+    law: dict[int, float] = {}
+
+    def go_on(paths: list[tuple[int, ...]], policy: np.ndarray, probability: float) -> None:
+        if len(paths) == episodes:
+            metric = fd_metric([np.array(path) for path in paths], world.n_states).product
+            subgoal = int(metric.argmax()) if metric.any() else NO_SUBGOAL
+            law[subgoal] = law.get(subgoal, 0.0) + probability
+            return
+        for path, chance in path_law(world, policy, start, goal).items():
+            go_on([*paths, path], after_path(world, path, policy, epsilon), probability * chance)
+
+    go_on([], np.full((world.n_states, 4), 0.25), 1.0)
+    return law
+
+
+def pooled(counts: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Both with all cells where fewer than 10 are expected in one."""
+    few = expected < 10
+    if not few.any():
+        return counts, expected
+    return np.append(counts[~few], counts[few].sum()), np.append(expected[~few], expected[few].sum())
+
+
+@pytest.mark.parametrize("world", [TWO_ROOMS, RING, DEAD_ENDS], ids=["rooms", "ring", "dead ends"])
+@pytest.mark.parametrize("episodes", [1, 2])
+def test_subgoals_with_trees_have_the_exact_law(world: GridWorld, episodes: int):
+    start, goal, samples = world.start, world.goals["A"], 4000
+    law = subgoal_law(world, start, goal, episodes, 0.3)
+    assert sum(law.values()) == pytest.approx(1.0)
+    found = Counter(surveyed(world, start, goal, samples, episodes, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3))
+    assert set(found) <= set(law)
+    counts = np.array([found[subgoal] for subgoal in law])
+    counts, expected = pooled(counts, samples * np.array(list(law.values())))
+    assert len(expected) >= 2
+    assert stats.chisquare(counts, expected).pvalue > LEVEL
+
+
+@pytest.mark.parametrize("world", [TWO_ROOMS, DEAD_ENDS], ids=["rooms", "dead ends"])
+def test_trees_are_used_where_the_exact_law_is_tested(world: GridWorld):
+    survey = Survey(Dynamics(world.successors), 2, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3, max_steps=10**7)
+    survey.subgoals_to(world.goals["A"], [world.start], np.random.SFC64(1))
+    first = Survey(Dynamics(world.successors), 1, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3, max_steps=10**7)
+    first.subgoals_to(world.goals["A"], [world.start], np.random.SFC64(1))
+    assert survey.steps_of_trees > first.steps_of_trees > 0
+
+
+# -- trees against every step simulated ----------------------------------------------------------------------
+
+PUBLISHED = {"alpha": 0.05, "gamma": 0.95, "epsilon": 0.1}
+FAST = {"alpha": 1.0, "gamma": 0.95, "epsilon": 0.1}
+"""With this rate one episode may spread what is known over the whole map, so that trees are dropped midway."""
+
+
+@pytest.mark.parametrize(
+    ("place", "letter", "episodes", "samples", "law"),
+    [
+        ("env1", "A", 5, 600, PUBLISHED),
+        ("env1", "F", 5, 200, PUBLISHED),
+        ("env2", "D", 8, 800, PUBLISHED),
+        ("env3", "A", 12, 600, PUBLISHED),
+        ("env1", "B", 4, 1000, FAST),
+        ("env2", "F", 4, 3000, FAST),
+        ("env3", "C", 3, 3000, FAST),
+        ("rooms", "A", 3, 5000, FAST),
+        ("ring", "A", 3, 5000, FAST),
+    ],
+)
+def test_subgoals_with_trees_and_step_by_step_have_one_law(published_maps, place, letter, episodes, samples, law):
+    world = {**published_maps, "rooms": TWO_ROOMS, "ring": RING}[place]
+    start, goal = world.start, world.goals[letter]
+    margin = 1 if law is FAST else 2
+    trees = Counter(surveyed(world, start, goal, samples, episodes, margin=margin, **law))
+    every_step, _ = subgoals_from(
+        Dynamics(world.successors),
+        start,
+        [goal] * samples,
+        np.random.SFC64(8),
+        episodes,
+        episodes,
+        max_steps=10**7,
+        **law,
+    )
+    steps = Counter(every_step.tolist())
+    cells = sorted(set(trees) | set(steps))
+    table = np.array([[trees[cell] for cell in cells], [steps[cell] for cell in cells]])
+    few = table.sum(axis=0) < 20
+    table = np.column_stack([table[:, ~few], table[:, few].sum(axis=1)])
+    table = table[:, table.sum(axis=0) > 0]
+    assert table.shape[1] >= 2
+    assert stats.chi2_contingency(table).pvalue > LEVEL
+
+
+def test_most_steps_are_not_simulated(env1: GridWorld):
+    goal, starts = env1.goals["F"], np.arange(0, env1.goals["F"], 20)
+    survey = Survey(Dynamics(env1.successors), 30, max_steps=10**7, **PUBLISHED)
+    survey.subgoals_to(goal, starts, np.random.SFC64(0))
+    simulated = sum(
+        subgoals_from(Dynamics(env1.successors), start, [goal], np.random.SFC64(1), 30, 300, max_steps=10**7,
+                      **PUBLISHED)[1]
+        for start in starts
+    )  # fmt: skip
+    assert survey.steps < simulated / 10
+
+
+def test_the_memory_of_trees_is_bounded(env2: GridWorld):
+    """Trees beyond the limit are felled and drawn again."""
+    goal, starts = env2.goals["F"], np.arange(40)
+    plenty = Survey(Dynamics(env2.successors), 30, max_steps=10**7, **PUBLISHED)
+    little = Survey(Dynamics(env2.successors), 30, max_steps=10**7, memory=10**4, **PUBLISHED)
+    for survey in (plenty, little):
+        survey.subgoals_to(goal, starts, np.random.SFC64(0))
+    assert little.held <= 10**4 + 10 * env2.n_states < plenty.held
+    assert little.steps_of_trees > plenty.steps_of_trees
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        ({"trajectories": 0}, "trajectories must be a whole number from 1"),
+        ({"trajectories": 2.5}, "trajectories must be a whole number from 1"),
+        ({"margin": 0}, "margin must be a whole number from 1"),
+        ({"goal": 99}, "goal must be a whole number from 0"),
+        ({"starts": [[1]]}, "starts must be a sequence of states"),
+        ({"starts": [-1]}, "starts must be whole numbers from 0"),
+        ({"starts": [0], "goal": 0}, "start and goals must be different states"),
+        ({"successors": [[0, 0, 0, 0], [0, 1, 1, 1]]}, "the move from state 1 by action 0 cannot be taken back"),
+        ({"successors": [[0, 0, 0, 0], [1, 1, 1, 1]]}, "there is no way from start 1 to goal 0"),
+    ],
+)
+def test_a_survey_checks_its_arguments(arguments, says):
+    given = {"successors": ROOMS.successors, "trajectories": 3, "margin": 2, "goal": 0, "starts": [1], **arguments}
+    with pytest.raises(ValueError, match=says):
+        Survey(
+            Dynamics(np.array(given["successors"])), given["trajectories"], margin=given["margin"], max_steps=100,
+            **PUBLISHED,
+        ).subgoals_to(given["goal"], given["starts"], np.random.SFC64(0))  # fmt: skip
+
+
+# -- streams -------------------------------------------------------------------------------------------------
 
 
 def test_sampled_starts_are_stable_and_within_the_map(env2):

@@ -62,7 +62,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
             "parameters": PARAMETERS.to_dict(),
         }  # fmt: skip
         write_learning(folder / f"seed_{seed}.h5", life, world, origin)
-    arrays = subgoal_frequencies(world, range(3), 5, Learning(), 1, "small")
+    arrays = subgoal_frequencies(world, np.arange(3), range(world.n_states), 5, Learning(), 1, "small")
     origin = {
         "environment": "small", "trajectories": 5, "root_seed": 1, "code": "0" * 16,
         "parameters": PARAMETERS.to_dict(),

@@ -1,4 +1,4 @@
-# Subgoals over all pairs of start and goal, in batches of start states.
+# Subgoals over all pairs of start and goal, in batches of goals.
 
 
 rule survey_batch:
