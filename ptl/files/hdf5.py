@@ -18,6 +18,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import h5py
@@ -28,6 +29,7 @@ import ptl
 from ptl.errors import UserError, printable
 from ptl.files import regular
 from ptl.files.atomic import atomic_path
+from ptl.files.question import check_answer
 from ptl.files.remedies import make, make_again
 from ptl.files.schema import (
     KINDS,
@@ -124,17 +126,19 @@ def read_file(path: str | os.PathLike[str], *kinds: str) -> Node:
     Raises
     ------
     UserError
-        If it is missing, damaged, of another kind or does not fit the declaration of its kind; the line ends with the
-        command that makes it again.
+        If it is missing, damaged, of another kind, does not fit the declaration of its kind or answers another
+        question than the one asked now (`ptl.files.question`); the line ends with the command that makes it again.
     """
     try:
-        return content_of(_unsealed(regular.read_bytes(path, regular.MOST_BYTES)), *kinds)
+        root = content_of(_unsealed(regular.read_bytes(path, regular.MOST_BYTES)), *kinds)
     except regular.NotReadable as error:
         if error.missing:
             raise UserError(f"{path}: no such file; {make(path)}") from error
         raise UserError(f"{path}: cannot be read ({error.reason}); {make_again(path)}") from error
     except Misfit as error:
         raise UserError(f"{path}: {error}; {make_again(path)}") from error
+    check_answer(Path(path), root)
+    return root
 
 
 def _unsealed(content: bytes) -> bytes:

@@ -25,20 +25,29 @@ MOST_BYTES = 2**24
 """Most bytes of a manifest."""
 
 PARTS = {"config": dict, "versions": dict, "products": dict, "content": str}
+LATER = "maps"
+"""Part that manifests of version 1.0 do not have."""
+
 DIGEST = re.compile("[0-9a-f]{64}")
 
 
-def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any]) -> dict[str, Any]:
+def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, Any]:
     """Make the manifest of the products below a run's report folder.
+
+    Parameters
+    ----------
+    maps : mapping
+        Digest of the map of each environment and side study.
 
     Returns
     -------
     dict
-        ``config``, ``versions``, ``products`` (sha256 by path relative to ``folder``) and ``content`` (sha256 over the
-        rest).
+        ``config``, ``maps``, ``versions``, ``products`` (sha256 by path relative to ``folder``) and ``content`` (sha256
+        over the rest).
     """
     manifest = {
         "config": dict(config),
+        "maps": dict(maps),
         "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
         "products": {path.relative_to(folder).as_posix(): sha256(path) for path in sorted(products)},
     }
@@ -102,7 +111,7 @@ def parse(text: str, manifest_path: Path) -> dict[str, Any]:
 
 def _check(manifest: Any) -> None:
     """Refuse what the workflow never writes, above all names of products that lead out of the report folder."""
-    if not isinstance(manifest, dict) or set(manifest) != set(PARTS):
+    if not isinstance(manifest, dict) or not set(PARTS) <= set(manifest) <= {*PARTS, LATER}:
         raise Misfit(f"must have the keys {', '.join(PARTS)}")
     for name, kind in PARTS.items():
         if not isinstance(manifest[name], kind):

@@ -22,12 +22,16 @@ FOREIGN = "it belongs to no run of this folder, so name another file or make it 
 
 def rebuild_command(path: str | os.PathLike[str]) -> str:
     """Return the Snakemake command that makes this product, with the configuration file that names its run."""
+    return f"snakemake {shlex.quote(str(_inside(path)))} --cores 1{_chosen(path)}"
+
+
+def _chosen(path: str | os.PathLike[str]) -> str:
+    """Return the option that names the configuration file, empty for the one that the Snakefile names."""
     config = _config_of(path)
-    chosen = "" if config is None or config.name == "config.yaml" else f" --configfile {shlex.quote(str(config))}"
     if config is not None and config.stem.startswith(BEYOND):
         base = f"config/{BEYOND}.yaml"
-        chosen = f" --snakefile workflow/{BEYOND}.smk --configfile {' '.join(dict.fromkeys((base, str(config))))}"
-    return f"snakemake {shlex.quote(str(_inside(path)))} --cores 1{chosen}"
+        return f" --snakefile workflow/{BEYOND}.smk --configfile {' '.join(dict.fromkeys((base, str(config))))}"
+    return "" if config is None or config.name == "config.yaml" else f" --configfile {shlex.quote(str(config))}"
 
 
 def is_product(path: str | os.PathLike[str]) -> bool:
@@ -66,6 +70,17 @@ def make_again(path: str | os.PathLike[str], product: str | os.PathLike[str] | N
     if not is_product(path):
         return FOREIGN
     return f"remove it and run '{rebuild_command(product or path)}' to make it again"
+
+
+def force(path: str | os.PathLike[str], *rules: str) -> str:
+    """Return the remedy for files that rules made for another question, though Snakemake takes them for right.
+
+    Without rules, everything is made again.
+    """
+    if not is_product(path):
+        return FOREIGN
+    forced = f"--forcerun {' '.join(rules)}" if rules else "--forceall"
+    return f"run 'snakemake --cores 1{_chosen(path)} {forced}' to make it and all like it again"
 
 
 def make(path: str | os.PathLike[str]) -> str:

@@ -13,6 +13,8 @@ from typing import Any, get_type_hints
 
 from ptl.config import Configuration, Environment, ForeignResults
 from ptl.errors import UserError
+from ptl.files.question import asking
+from ptl.files.records import write_record
 from ptl.world.gridworld import GridWorld, load_map
 
 GROUPS = get_type_hints(Configuration)
@@ -92,11 +94,25 @@ class Job:
 
 @contextmanager
 def running(snakemake: Any) -> Iterator[Job]:
-    """Run a script's block with stderr in the log file of the rule; end with one line and status 1 on a `UserError`."""
+    """Run a script's block with stderr in the log file of the rule; end with one line and status 1 on a `UserError`.
+
+    Result files that the block reads must answer the question in the parameter ``asked``. When the block has ended, a
+    record of the job is kept for the run's manifest.
+    """
     sys.path.append(str(Path.cwd()))  # for methods that lie in the study's folder
     with Path(snakemake.log[0]).open("w", encoding="utf-8") as log:
         os.dup2(log.fileno(), sys.stderr.fileno())
     try:
-        yield Job.of(snakemake)
+        params = dict(snakemake.params.items())
+        with asking(params.get("asked", {})):
+            yield Job.of(snakemake)
+        write_record(
+            Path("results", str(snakemake.config.get("run", snakemake.rule))),
+            ".".join([snakemake.rule, *snakemake.wildcards]),
+            snakemake.rule,
+            params,
+            snakemake.input,
+            snakemake.output,
+        )
     except UserError as error:
         sys.exit(f"error: {error}")

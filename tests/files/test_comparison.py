@@ -33,7 +33,7 @@ def draw(path: Path, changed: int = 0, size: int = 20) -> Path:
 def seal(folder: Path, config: dict | None = None) -> None:
     """Write the manifest of what is in a report folder, as the run that made it does."""
     products = [path for path in folder.rglob("*.*") if path.name != manifest.MANIFEST]
-    text = json.dumps(manifest.build(products, folder, config or {"run": "tiny", "seeds": 3}))
+    text = json.dumps(manifest.build(products, folder, config or {"run": "tiny", "seeds": 3}, {}))
     (folder / manifest.MANIFEST).write_text(text)
     made = folder.parent.parent / "results" / folder.name / "made.json"
     made.parent.mkdir(parents=True, exist_ok=True)

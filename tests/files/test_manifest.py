@@ -22,7 +22,7 @@ def report(folder: Path) -> Path:
     for path in products:
         path.write_bytes(chance.randbytes(2000))
     path = folder / manifest.MANIFEST
-    path.write_text(json.dumps(manifest.build(products, folder, {"run": "tiny"}), indent=1, sort_keys=True) + "\n")
+    path.write_text(json.dumps(manifest.build(products, folder, {"run": "tiny"}, {}), indent=1, sort_keys=True) + "\n")
     return path
 
 

@@ -23,6 +23,7 @@ from ptl.errors import UserError
 from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.hdf5 import read_file, sealed
 from ptl.files.provenance import code_digest
+from ptl.files.question import lives_code
 from ptl.files.results import open_learning, write_frequencies, write_growth, write_learning
 from ptl.files.schema import (
     FIT,
@@ -39,7 +40,7 @@ from ptl.files.schema import (
     Group,
 )
 from ptl.files.schema_docs import filled
-from ptl.files.verification import faults_of, lives_code
+from ptl.files.verification import faults_of
 from ptl.learning.growth import grow_library
 from ptl.learning.survey import subgoal_frequencies
 from ptl.report.explorer.data import collect

@@ -1,5 +1,6 @@
 # The verdict on every claim of the article: from the runs of the tables, and from many more that decide it.
 
+from ptl.files.question import asked_jobs
 from ptl.study.decision import decision_jobs
 
 DECISIONS = decision_jobs(config)
@@ -22,6 +23,7 @@ rule decide:
         "../envs/ptl.yaml"
     params:
         job=lambda wildcards: json.dumps(DECISIONS[wildcards.job], sort_keys=True),
+        maps=lambda wildcards: map_digests(DECISIONS[wildcards.job]["environments"]),
         code=lambda wildcards: code_digest(
             "ptl.study.robustness.running",
             *[
@@ -61,6 +63,7 @@ rule judge_claims:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth", "decision"),
+        asked=asked_jobs(DECISIONS, map_digests()),
         environments=entries(),
         code=code_digest("ptl.study.decision", "ptl.report.ledger"),
     message:

@@ -12,7 +12,9 @@ from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
+from ptl.files.question import SIDE_MAPS, about, map_digest, question_of
 from ptl.report.snakemake_report import keep_texts
+from ptl.world.gridworld import load_map
 
 
 def refuse(error):
@@ -28,6 +30,9 @@ try:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
     CONFIGURATION = completed(config)
     config.update(CONFIGURATION.to_dict())
+    MAPS = {name: entry["map"] for name, entry in config["environments"].items()}
+    MAPS.update(SIDE_MAPS if CONFIGURATION.article else {})
+    DIGESTS = {name: map_digest(load_map(path).text) for name, path in MAPS.items()}
 except UserError as error:
     refuse(error)
 
@@ -41,6 +46,7 @@ shell.prefix(
     f'ptl() {{{{ {shlex.quote(sys.executable)} -m ptl "$@"; }}}}; '
 )
 
+QUESTION = question_of(config, DIGESTS)
 ENVIRONMENTS = list(config["environments"])
 REFERENCES = methods.by_identifier(config["methods"])
 METHODS = list(REFERENCES)
@@ -74,6 +80,16 @@ wildcard_constraints:
 def map_of(wildcards):
     """Map file of the environment in the wildcards."""
     return config["environments"][wildcards.environment]["map"]
+
+
+def map_digests(names=ENVIRONMENTS):
+    """Digests of maps, for rules that read them: time stamps do not tell that a map was replaced by an older file."""
+    return {name: DIGESTS[name] for name in names}
+
+
+def asked(*kinds, environments=ENVIRONMENTS):
+    """What files of these kinds must have been made from; whatever reads them checks it."""
+    return {kind: about(QUESTION[kind], environments) for kind in kinds}
 
 
 def section(name):
@@ -120,6 +136,18 @@ def looks(names=METHODS):
 def own_parameters(name):
     """Parameters of a method's own that the configuration gives."""
     return config["method_parameters"].get(name, {})
+
+
+def codes():
+    """Digests of the code of all rules so far that have one for all their jobs."""
+    found = {each.name: each.params.get("code") for each in workflow.rules}
+    return {name: code for name, code in found.items() if isinstance(code, str)}
+
+
+def products_of_study():
+    """Checksums of the products of the robustness study by path, if it was made."""
+    folder = Path("reports", config["run"], "robustness")
+    return {str(path): sha256(path) for path in sorted(folder.glob("*.*"))}
 
 
 def shares_of_study():

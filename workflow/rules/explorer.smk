@@ -28,6 +28,7 @@ rule build_explorer:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures"),
+        asked=asked(LEARNING),
         environments=entries(),
         given={name: [REFERENCES[name], own_parameters(name)] for name in METHODS},
         looks=looks(),

@@ -1,15 +1,15 @@
 # An experiment after Fernandez and Veloso, learned by the policy reuse of the main comparison. Its figure is drawn with the
 # others.
 
+from ptl.files.question import POLICY_REUSE
+from ptl.files.schema import GAIN
 from ptl.study.policy_reuse_experiment import ARMS
-
-FV_MAP = "config/environments/env3.txt"
 
 
 rule learn_fv:
     input:
         # their map, whatever environments the run compares
-        map=FV_MAP,
+        map=SIDE_MAPS[POLICY_REUSE],
     output:
         "<results>/fernandez_veloso/{library}.h5",
     log:
@@ -21,6 +21,7 @@ rule learn_fv:
     params:
         seeds=config["seeds"],
         root_seed=config["root_seed"],
+        map=DIGESTS[POLICY_REUSE],
         code=code_digest(
             "ptl.study.policy_reuse_experiment",
             "ptl.methods.policy_reuse",
@@ -59,6 +60,7 @@ rule policy_reuse_table:
         "../envs/ptl.yaml"
     params:
         groups=groups("statistics"),
+        asked=asked(GAIN),
         code=code_digest("ptl.report.policy_reuse_experiment"),
     message:
         "Tabulating the gain of policy reuse beside the published one"

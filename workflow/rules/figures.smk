@@ -1,6 +1,7 @@
 # The figures: a row of ptl.report.figures.figures for each. One rule draws them all, as a PNG for reading, an SVG for
 # printing and a CSV of the numbers drawn.
 
+from ptl.files.schema import FREQUENCIES, GAIN, LEARNING
 from ptl.report.figures import figures as figure_rows, item_label
 
 FIGURES = figure_rows({**config, "methods": METHODS}, ARTICLE)
@@ -20,6 +21,14 @@ SOURCES = {
     "growth": lambda row: rules.collect_growth.output[0],
     "selection_cost": lambda row: rules.library_cost.output.selection,
     "library_bytes": lambda row: rules.library_cost.output.storage,
+}
+
+# Formats of those that answer a question.
+KINDS = {
+    "learning": LEARNING,
+    "misleading_prior": LEARNING,
+    "survey": FREQUENCIES,
+    "policy_reuse_experiment": GAIN,
 }
 
 
@@ -52,6 +61,15 @@ rule draw_figure:
         module=lambda wildcards: FIGURES[wildcards.figure].module,
         caption=lambda wildcards: FIGURES[wildcards.figure].caption,
         groups=lambda wildcards: groups(*FIGURES[wildcards.figure].groups),
+        asked=lambda wildcards: asked(
+            *[
+                KINDS[kind]
+                for kind in FIGURES[wildcards.figure].needs
+                if kind in KINDS
+            ],
+            environments=FIGURES[wildcards.figure].environments,
+        ),
+        maps=lambda wildcards: map_digests(FIGURES[wildcards.figure].environments),
         environments=lambda wildcards: entries(FIGURES[wildcards.figure].environments),
         methods=lambda wildcards: FIGURES[wildcards.figure].methods,
         looks=lambda wildcards: looks(

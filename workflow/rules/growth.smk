@@ -14,6 +14,7 @@ rule grow:
         growth=config["growth"],
         run=lambda wildcards: int(wildcards.run),
         root_seed=config["root_seed"],
+        map=DIGESTS[config["growth"]["environment"]],
         parameters=hyper_parameters("learning", "skills", "subgoals"),
         code=code_digest("ptl.learning.growth", "ptl.methods.ptl", "ptl.files.results"),
     message:

@@ -15,6 +15,7 @@ rule learn:
     params:
         seed=lambda wildcards: int(wildcards.seed),
         root_seed=config["root_seed"],
+        map=lambda wildcards: DIGESTS[wildcards.environment],
         tasks=lambda wildcards: config["environments"][wildcards.environment]["tasks"],
         parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
         method=lambda wildcards: REFERENCES[wildcards.method],

@@ -1,5 +1,7 @@
 # From the files of all jobs to one row a seed.
 
+from ptl.files.schema import GROWTH, LEARNING
+
 
 rule measure:
     input:
@@ -16,9 +18,11 @@ rule measure:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "learning"),
+        asked=asked(LEARNING),
         environments=entries(),
         seeds=config["seeds"],
         foreign=FOREIGN,
+        foreign_digests={name: sha256(entry["file"]) for name, entry in FOREIGN.items()},
         code=code_digest(
             "ptl.study.measures", "ptl.files.verification", "ptl.files.foreign"
         ),
@@ -38,6 +42,7 @@ rule collect_growth:
     conda:
         "../envs/ptl.yaml"
     params:
+        asked=asked(GROWTH),
         code=code_digest("ptl.study.growth", "ptl.files.verification"),
     message:
         "Collecting the growth of the library"
@@ -57,6 +62,7 @@ rule library_cost:
         "../envs/ptl.yaml"
     params:
         environments=entries(),
+        maps=map_digests(),
         code=code_digest("ptl.study.library_cost"),
     message:
         "Counting the cost of a skill selection and of a library"

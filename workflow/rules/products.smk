@@ -1,5 +1,7 @@
 # The front page of the report, and the manifest of all products.
 
+from ptl.files.question import digest_of
+
 
 report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
 
@@ -42,13 +44,19 @@ rule manifest:
         manifest="<reports>/manifest.json",
         # tells products that were made here from those that were checked out
         made="<results>/made.json",
+        # is missing as long as no manifest was written for this configuration, these maps and this code
+        checked=f"<results>/checked/{digest_of(config, DIGESTS, codes())}",
     log:
         "<logs>/manifest.log",
     conda:
         "../envs/ptl.yaml"
     params:
         config=json.dumps(config, sort_keys=True),
-        code=code_digest("ptl.files.manifest"),
+        maps=DIGESTS,
+        asked={**QUESTION, **(asked_jobs(DECISIONS, map_digests()) if ARTICLE else {})},
+        codes=codes(),
+        study=products_of_study(),
+        code=code_digest("ptl.files.manifest", "ptl.files.records"),
     message:
         "Writing the manifest of all products"
     script:

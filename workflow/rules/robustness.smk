@@ -23,6 +23,7 @@ rule learn_setting:
         job=lambda wildcards: json.dumps(
             SETTINGS.by_name[wildcards.setting], sort_keys=True
         ),
+        maps=map_digests(),
         code=code_digest(
             "ptl.study.robustness.running",
             *method_modules(METHODS),
@@ -47,6 +48,9 @@ rule judge_setting:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth"),
+        asked=lambda wildcards: asked_jobs(
+            {wildcards.setting: SETTINGS.by_name[wildcards.setting]}, map_digests()
+        ),
         code=code_digest("ptl.study.robustness.verdicts"),
     message:
         "Judging the claims in the setting {wildcards.setting}"

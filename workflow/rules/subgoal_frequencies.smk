@@ -15,6 +15,7 @@ rule survey_batch:
     params:
         survey=config["subgoal_frequencies"],
         root_seed=config["root_seed"],
+        map=lambda wildcards: DIGESTS[wildcards.environment],
         parameters=hyper_parameters("learning"),
         code=code_digest("ptl.learning.survey", "ptl.files.results"),
     message:

@@ -12,7 +12,7 @@ from ptl import methods
 from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import read_yaml
-from ptl.files.verification import lives_code
+from ptl.files.question import lives_code
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.methods.beyond import module_of, reference
 from ptl.methods.ptl import Method as PartialTransfer

@@ -1,0 +1,283 @@
+"""The question that a run asks, and whether a result file answers it.
+
+A file records what it was made from: parameters, root seed, map, tasks, seed and code. A job of the workflow gets the
+question of its run, a part for each kind of file that it reads, and `read_file` refuses an answer to another one. So
+neither times nor what Snakemake remembers decide which numbers belong together.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ptl.errors import UserError
+from ptl.files.outside import RECORD, learning_code
+from ptl.files.provenance import code_digest
+from ptl.files.remedies import force, make_again
+from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SETTING, STEPS
+from ptl.methods import names
+from ptl.methods.beyond import module_of
+
+if TYPE_CHECKING:
+    from ptl.files.hdf5 import Node
+
+READS = {
+    LEARNING: ("learning", "skills", "subgoals", "policy_reuse"),
+    GROWTH: ("learning", "skills", "subgoals"),
+    FREQUENCIES: ("learning",),
+}
+"""Groups of hyper-parameters that each kind of job depends on."""
+
+RULES = {LEARNING: "learn", GROWTH: "grow", FREQUENCIES: "survey_batch", GAIN: "learn_fv", SETTING: "decide"}
+"""Rules that make each kind of file."""
+
+MISLEADING, POLICY_REUSE = "misleading_prior", "fernandez_veloso"
+"""Side studies of the article's run, and their folders below results/<run>/."""
+
+SIDE_MAPS = {MISLEADING: "config/misleading_prior.txt", POLICY_REUSE: "config/environments/env3.txt"}
+"""Their maps."""
+
+SIDE_TASKS = "ABC"
+"""Tasks on the misleading map."""
+
+FOLDERS = (
+    "learning", "growth", "subgoal_frequencies", MISLEADING, POLICY_REUSE, "robustness", "decision",
+    "lives",
+)  # fmt: skip
+"""Folders below results/<run>/ that hold files of one kind."""
+
+NAMED_BY = {GAIN: "arm", SETTING: "setting", FIT: "setting"}
+"""Attribute that gives a file its name."""
+
+Question = Mapping[str, Mapping[str, Any]]
+"""What the files of each kind must have been made from, by format; JSON."""
+
+_asked: ContextVar[Question] = ContextVar("asked", default={})  # noqa: B039 - never changed
+
+
+def map_digest(text: str) -> str:
+    """Return the digest of a map, of its text as `GridWorld.text` gives it."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def digest_of(*parts: Any) -> str:
+    """Return a digest of values that JSON can hold."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+
+
+def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Return the question of a run.
+
+    Parameters
+    ----------
+    config : mapping
+        The completed configuration.
+    maps : mapping
+        Digest of the map of each environment, and of the side studies' maps.
+    """
+    common = {"root_seed": config["root_seed"]}
+    environments, growth, survey = config["environments"], config["growth"], config["subgoal_frequencies"]
+    asked = {kind: {**common, "parameters": {name: config[name] for name in names}} for kind, names in READS.items()}
+    asked[LEARNING]["tasks"] = {name: entry["tasks"] for name, entry in environments.items()}
+    asked[LEARNING]["tasks"][MISLEADING] = SIDE_TASKS
+    asked[LEARNING]["maps"] = {name: maps[name] for name in (*environments, MISLEADING) if name in maps}
+    asked[LEARNING]["own"] = config["method_parameters"]
+    asked[GROWTH]["maps"] = {growth["environment"]: maps[growth["environment"]]}
+    asked[GROWTH]["number"] = growth["tasks"]
+    asked[FREQUENCIES]["maps"] = {name: maps[name] for name in environments}
+    asked[FREQUENCIES]["trajectories"] = survey["trajectories"]
+    asked[FREQUENCIES]["number"] = survey["starts"]
+    asked[GAIN] = {**common, "number": config["seeds"], "maps": {POLICY_REUSE: maps.get(POLICY_REUSE)}}
+    return json.loads(json.dumps(asked))
+
+
+def about(question: Mapping[str, Any], environments: Iterable[str]) -> dict[str, Any]:
+    """Return what a question for one kind of file asks of some environments, and of the side studies."""
+    kept = {*environments, *SIDE_MAPS}
+    parts = {name: question[name] for name in ("maps", "tasks") if name in question}
+    return {**question, **{name: {k: v for k, v in part.items() if k in kept} for name, part in parts.items()}}
+
+
+def asked_jobs(jobs: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Return the question that settings answer: their jobs by name, as `ptl.study.robustness.running` takes them."""
+    return json.loads(json.dumps({SETTING: {"jobs": jobs, "maps": maps}}))
+
+
+@contextmanager
+def asking(question: Question) -> Iterator[None]:
+    """Refuse, within the block, every file that answers another question when it is read."""
+    token = _asked.set(question)
+    try:
+        yield
+    finally:
+        _asked.reset(token)
+
+
+def check_answer(path: Path, root: Node) -> None:
+    """Refuse a file that answers another question than the one asked now.
+
+    Raises
+    ------
+    UserError
+        Naming the file, what it was made with, and the command that makes all such files again.
+    """
+    asked = _asked.get().get(root.attrs["format"])
+    if asked is None:
+        return
+    for fault in misplaced(path, root):
+        raise UserError(f"{path}: {fault}; {make_again(path)}")
+    for fault in _other_question(root, asked):
+        raise UserError(f"{path}: {fault}; {anew(path, root)}")
+    for fault in code_faults(root):
+        raise UserError(f"{path}: {fault}; {anew(path, root)}")
+
+
+def anew(path: Path, root: Node) -> str:
+    """Return the remedy for a file that answers another question; others of its kind will too."""
+    folder = path.absolute().parent.name
+    rule = {MISLEADING: "learn_misleading", "robustness": "learn_setting"}.get(folder) or RULES[root.attrs["format"]]
+    return force(path, rule)
+
+
+# -- settings, map and work ---------------------------------------------------------------------------------------
+
+
+def _other_question(root: Node, asked: Mapping[str, Any]) -> Iterator[str]:
+    """Yield in what a file differs from what was asked."""
+    attrs, kind = root.attrs, root.attrs["format"]
+    if kind == SETTING:
+        yield from _other_job(attrs, asked)
+        return
+    if attrs["root_seed"] != asked["root_seed"]:
+        yield f"was made with the root_seed {attrs['root_seed']}, not {asked['root_seed']}"
+    for group, values in asked.get("parameters", {}).items():
+        found = attrs["parameters"].get(group, {})
+        for name in values:
+            if found.get(name) != values[name]:
+                yield f"was made with {group}.{name} {found.get(name)!r}, not {values[name]!r}"
+    environment = POLICY_REUSE if kind == GAIN else attrs["environment"]
+    if environment not in asked["maps"]:
+        yield f"is of the environment {environment}, which is not in the run"
+    elif asked["maps"][environment] != map_digest(attrs["map"]):
+        yield "was made on another map"
+    own = attrs["parameters"].get(RECORD, {}).get("parameters", {}) if kind == LEARNING else {}
+    for name, value in asked.get("own", {}).get(attrs.get("method"), {}).items():
+        if own.get(name) != value:
+            yield f"was made with {attrs['method']}.{name} {own.get(name)!r}, not {value!r}"
+    for name, found, wanted in _work(root, asked):
+        if found != wanted:
+            yield f"holds {name} {found}, not {wanted}"
+
+
+def _work(root: Node, asked: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the name of each kind of work, how much a file holds, and how much was asked for."""
+    kind = root.attrs["format"]
+    if kind == LEARNING:
+        yield "tasks", "".join(root["tasks"]), asked["tasks"].get(root.attrs["environment"])
+    elif kind == GROWTH:
+        yield "tasks", len(root["starts"]), asked["number"]
+    elif kind == GAIN:
+        yield "seeds", len(root["seeds"]), asked["number"]
+    else:
+        yield "trajectories", root.attrs["trajectories"], asked["trajectories"]
+        if "batch" not in root.attrs:
+            states = len(root["counts"])
+            yield "starts", int(root["starts"]), min(states if asked["number"] == "all" else asked["number"], states)
+
+
+def _other_job(attrs: Mapping[str, Any], asked: Mapping[str, Any]) -> Iterator[str]:
+    job, wanted = attrs["job"], asked["jobs"].get(attrs["setting"])
+    if wanted is None:
+        yield f"holds the job {attrs['setting']}, which is not in the run"
+        return
+    for name in wanted:
+        if job.get(name) != wanted[name]:
+            yield f"was made with another value of {name}"
+    for environment, text in attrs["maps"].items():
+        entry = wanted["environments"].get(environment, {})
+        if not entry.get("changes") and asked["maps"].get(environment) != map_digest(text):
+            yield f"was made on another map of {environment}"
+
+
+# -- code ---------------------------------------------------------------------------------------------------------
+
+
+def code_faults(root: Node) -> Iterator[str]:
+    """Yield a fault if a file was not made by the sources as they are now, or by a method that is gone."""
+    attrs, kind = root.attrs, root.attrs["format"]
+    if "code" not in attrs:
+        return
+    if kind == LIVES:
+        module = module_of(str(attrs["job"]["cell"].get("method")))
+        if not module:  # another's method may have changed
+            return
+        present = lives_code(module)
+    elif kind == SETTING:
+        used = [f"ptl.methods.{method}" for method in attrs["job"]["methods"]]
+        present = code_digest("ptl.study.robustness.running", *used)
+    else:
+        method = str(attrs.get("method", ""))
+        outside = attrs["parameters"].get(RECORD)
+        reference = str(outside["reference"]) if isinstance(outside, dict) and "reference" in outside else method
+        if reference != method and not reference.endswith(".py"):
+            return  # nothing that a file names is imported
+        there = reference in names() if reference == method else Path(reference).is_file()
+        if reference and not there:
+            yield f"was made by the method {reference}, which is not there"
+            return
+        present = _present_code(kind, reference)
+    if attrs["code"] != present:
+        yield "was made by another version of the code"
+
+
+@cache
+def _present_code(kind: str, method: str) -> str:
+    if kind == LEARNING:
+        return learning_code(method)
+    if kind == GROWTH:
+        return code_digest("ptl.learning.growth", f"ptl.methods.{method}")
+    if kind == GAIN:
+        return code_digest("ptl.study.policy_reuse_experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer")
+    return code_digest("ptl.learning.survey")
+
+
+def lives_code(*modules: str) -> str:
+    """Return a digest of the sources that lives of the second study depend on, a method's own ones included."""
+    return code_digest("ptl.study.population.running", *modules)
+
+
+# -- place --------------------------------------------------------------------------------------------------------
+
+
+def misplaced(path: Path, root: Node) -> Iterator[str]:
+    """Yield a fault if a file is not where the layout of results/<run>/ puts its job."""
+    parts = path.absolute().parts
+    folders = parts[-4:-1]  # not the folders above the project
+    attrs, kind = root.attrs, root.attrs["format"]
+    expected: tuple[str, ...] = ()
+    if kind == LEARNING and folders[-1] == MISLEADING:
+        expected = (attrs["environment"], f"seed_{attrs['seed']:03d}.h5")
+    elif kind == LEARNING and "learning" in folders:
+        expected = (attrs["environment"], attrs["method"], f"seed_{attrs['seed']:03d}.h5")
+    elif kind == GROWTH and folders[-1] == "growth":
+        expected = (f"run_{attrs['seed']:03d}.h5",)
+    elif kind == FREQUENCIES and "subgoal_frequencies" in folders:
+        batch = attrs.get("batch")
+        name = attrs["environment"]
+        expected = (f"{name}.h5",) if batch is None else (name, f"batch_{batch}.h5")
+    elif kind in NAMED_BY:
+        expected = (f"{attrs[NAMED_BY[kind]]}.h5",)
+    elif kind == LIVES:
+        expected = Path(f"{attrs['place']}.h5").parts
+    elif kind == STEPS:
+        expected = ("steps.h5",)
+    elif parts[-1] == "steps.h5" or any(folder in folders for folder in FOLDERS):
+        yield f"is of the kind {kind}, which does not belong in this folder"
+    if expected and parts[-len(expected) :] != expected:
+        yield f"holds the job {'/'.join(expected)}"

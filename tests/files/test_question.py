@@ -1,0 +1,157 @@
+"""A file is used only for the question that it answers, and a product only for the run that it was made for."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from damage import rewrite
+from lives import QUICK, ROOMS, ROOT_SEED, write_life
+from projects import Project
+
+from ptl.config import Configuration
+from ptl.errors import UserError
+from ptl.files.question import SIDE_MAPS, asking, map_digest, question_of
+from ptl.files.records import check_records, write_record
+from ptl.files.results import read_result
+from ptl.world.gridworld import GridWorld
+
+CONFIG: dict[str, Any] = Configuration.from_dict(
+    {
+        "run": "small", "root_seed": ROOT_SEED, "seeds": 1, "methods": ["ptl", "no_transfer"],
+        "environments": {"rooms": {"map": "rooms.txt", "title": "Rooms", "tasks": "AB"}},
+        "growth": {"environment": "rooms"}, "measures": {"window": 5}, **QUICK.to_dict(),
+    }
+).to_dict()  # fmt: skip
+MAPS = {"rooms": map_digest(ROOMS.text), **dict.fromkeys(SIDE_MAPS, "-")}
+
+
+@pytest.fixture
+def life(tmp_path: Path) -> Path:
+    return write_life(tmp_path / "learning", "ptl", tasks="AB")
+
+
+def with_(**changes: Any) -> dict[str, Any]:
+    changed = json.loads(json.dumps(CONFIG))
+    for name, value in changes.items():
+        *groups, key = name.split("__")
+        place = changed
+        for group in groups:
+            place = place[group]
+        place[key] = value
+    return changed
+
+
+def test_a_file_of_the_run_is_read(life: Path) -> None:
+    with asking(question_of(CONFIG, MAPS)):
+        assert "".join(read_result(life).file["tasks"]) == "AB"
+
+
+@pytest.mark.parametrize(
+    ("question", "fault"),
+    [
+        (question_of(with_(root_seed=ROOT_SEED + 1), MAPS), "made with the root_seed 1, not 2"),
+        (question_of(with_(learning__alpha=0.7), MAPS), "made with learning.alpha 0.05, not 0.7"),
+        (question_of(with_(skills__patience=3.0), MAPS), "made with skills.patience 1.0, not 3.0"),
+        (question_of(with_(environments__rooms__tasks="BA"), MAPS), "holds tasks AB, not BA"),
+        (question_of(CONFIG, {**MAPS, "rooms": "0" * 16}), "made on another map"),
+    ],
+)
+def test_a_file_that_answers_another_question_is_refused(question: Any, fault: str, life: Path) -> None:
+    with asking(question), pytest.raises(UserError, match=fault):
+        read_result(life)
+    read_result(life)  # sound by itself
+
+
+def test_a_file_in_the_place_of_another_is_refused(life: Path) -> None:
+    other = life.with_name("seed_001.h5")
+    other.write_bytes(life.read_bytes())
+    with asking(question_of(CONFIG, MAPS)), pytest.raises(UserError, match=r"holds the job rooms/ptl/seed_000\.h5"):
+        read_result(other)
+
+
+def test_a_file_of_other_code_is_refused(life: Path) -> None:
+    rewrite(life, lambda file: file.attrs.modify("code", "0" * 16))
+    with asking(question_of(CONFIG, MAPS)), pytest.raises(UserError, match="another version of the code"):
+        read_result(life)
+
+
+def test_a_map_has_one_digest_however_it_is_written() -> None:
+    assert map_digest(GridWorld.from_text(ROOMS.text.rstrip() + "\n\n").text) == MAPS["rooms"]
+
+
+# -- records ------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
+    """Two jobs: a table made from a result, and a page made from the table."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("result", "table", "page"):
+        Path(name).write_text(name)
+    params = {"groups": {"measures": CONFIG["measures"]}, "asked": question_of(CONFIG, MAPS), "code": "1"}
+    write_record(Path(), "measure", "measure", params, ["result"], ["table"])
+    write_record(
+        Path(), "tabulate", "tabulate", {"looks": {"ptl": [], "no_transfer": []}, "code": "2"}, ["table"], ["page"]
+    )
+    return {"config": CONFIG, "question": question_of(CONFIG, MAPS), "codes": {"measure": "1", "tabulate": "2"}}
+
+
+def test_products_with_their_records_are_accepted(run: dict[str, Any]) -> None:
+    check_records(Path(), ["page"], **run)
+
+
+@pytest.mark.parametrize(
+    ("change", "fault"),
+    [
+        (lambda run: Path("page").write_text("x"), "page: is not what its job made"),
+        (lambda run: Path("table").write_text("x"), "page: was made from another table, and 1 more"),
+        (lambda run: Path("result").write_text("x"), "table: was made from another result"),
+        (lambda run: Path("result").unlink(), "table: result: cannot be read"),
+        (lambda run: Path("records/tabulate.record.json").unlink(), "page: no record says what it was made from"),
+        (lambda run: Path("records/tabulate.record.json").write_text("{}"), "is not a record"),
+        (lambda run: run.update(config=with_(measures__window=3)), "made with measures.window 5, not 3"),
+        (lambda run: run.update(config=with_(methods=["ptl"])), "page: was made for other methods"),
+        (lambda run: run.update(config=with_(methods=["no_transfer", "ptl"])), "page: was made for other methods"),
+        (lambda run: run.update(codes={"tabulate": "3"}), "page: was made by another version of the code"),
+        (
+            lambda run: run.update(question=question_of(with_(learning__alpha=0.7), MAPS)),
+            "table: was made with parameters.learning.alpha 0.05, not 0.7",
+        ),
+    ],
+)
+def test_products_of_another_run_are_refused(
+    change: Callable[[dict[str, Any]], Any], fault: str, run: dict[str, Any]
+) -> None:
+    change(run)
+    with pytest.raises(UserError, match=fault):
+        check_records(Path(), ["page"], **run)
+
+
+def test_results_are_not_paired_with_another_configuration(tiny: Project) -> None:
+    """Neither without what Snakemake remembers, nor with a map that is older than what was made from it."""
+    config, rooms = tiny.config, tiny.folder / "rooms.txt"
+    state = (tiny.folder / ".snakemake").rename(tiny.folder / ".kept")
+    text = rooms.read_text()
+    try:
+        tiny.configure({**config, "learning": {**config["learning"], "alpha": 0.7}})
+        done = tiny.snakemake()
+        assert done.returncode != 0
+        assert "was made with parameters.learning.alpha 0.05, not 0.7" in done.stdout + done.stderr
+        assert "'snakemake --cores 1 --forcerun learn" in done.stdout + done.stderr
+        tiny.configure(config)
+        assert tiny.waiting() == {}
+        rooms.write_text(text.replace("#..B#", "#.B.#"))
+        os.utime(rooms, (946_684_800, 946_684_800))
+        done = tiny.snakemake()
+        assert done.returncode != 0 and "was made with maps.rooms" in done.stdout + done.stderr
+    finally:
+        rooms.write_text(text)
+        tiny.configure(config)
+        shutil.rmtree(tiny.folder / ".snakemake")
+        state.rename(tiny.folder / ".snakemake")
