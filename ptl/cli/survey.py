@@ -60,6 +60,7 @@ def batch(
         "batch": batch,
         "batches": batches,
         "trajectories": trajectories,
+        "starts": len(origins),
         "root_seed": root_seed,
         "parameters": chosen.to_dict(),
         "code": code_digest("ptl.learning.survey"),
@@ -88,6 +89,7 @@ def merge(batches: tuple[str, ...], output: str) -> None:
             origin = {
                 "environment": result.environment,
                 "trajectories": int(result.file.attrs["trajectories"]),
+                "starts": int(result.file.attrs["starts"]),
                 "root_seed": result.root_seed,
                 "parameters": result.parameters,
                 "code": result.code,

@@ -67,8 +67,8 @@ def map_digest(text: str) -> str:
 
 
 def digest_of(*parts: Any) -> str:
-    """Return a digest of values that JSON can hold."""
-    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:16]
+    """Return a digest of values that JSON can hold, and of their order."""
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
 def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, dict[str, Any]]:
@@ -186,9 +186,9 @@ def _work(root: Node, asked: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]
         yield "seeds", len(root["seeds"]), asked["number"]
     else:
         yield "trajectories", root.attrs["trajectories"], asked["trajectories"]
-        if "batch" not in root.attrs:
-            states = len(root["counts"])
-            yield "starts", int(root["starts"]), min(states if asked["number"] == "all" else asked["number"], states)
+        states = len(root["counts"])
+        wanted = states if asked["number"] == "all" else min(asked["number"], states)
+        yield "starts", root.attrs["starts"], wanted
 
 
 def _other_job(attrs: Mapping[str, Any], asked: Mapping[str, Any]) -> Iterator[str]:

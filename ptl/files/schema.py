@@ -252,6 +252,7 @@ KINDS = {
                 attributes=(
                     _ENVIRONMENT,
                     Attribute("trajectories", "int", "successful episodes of each task", 1),
+                    Attribute("starts", "int", "start states", 1),
                     Attribute("batch", "int", "number of the batch, in a file of some of the goals", 0, optional=True),
                     Attribute("batches", "int", "batches in all, in the same files", 1, optional=True),
                     _ROOT_SEED,

@@ -92,8 +92,9 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     life = grow_library(ROOMS, 6, QUICK, ROOT_SEED, "rooms", 0)
     write_growth(paths[GROWTH], life, ROOMS, origin("ptl", 0, module="growth"))
     counts = subgoal_frequencies(ROOMS, np.arange(3), range(9), 3, QUICK.learning, ROOT_SEED, "rooms")
-    whence = {"environment": "rooms", "trajectories": 3, "batch": 0, "batches": 1, "root_seed": ROOT_SEED,
-              "parameters": QUICK.to_dict(), "code": code_digest("ptl.learning.survey")}  # fmt: skip
+    whence = {"environment": "rooms", "trajectories": 3, "starts": ROOMS.n_states, "batch": 0, "batches": 1,
+              "root_seed": ROOT_SEED, "parameters": QUICK.to_dict(),
+              "code": code_digest("ptl.learning.survey")}  # fmt: skip
     write_frequencies(paths[FREQUENCIES], counts, ROOMS, whence)
     steps = np.full((2, 5), 9)
     write_arrays(paths[STEPS], STEPS, {"rooms/ptl/A": steps, "rooms/no_transfer/A": steps}, {"seeds": np.arange(2)})

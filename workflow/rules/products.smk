@@ -51,7 +51,7 @@ rule manifest:
     conda:
         "../envs/ptl.yaml"
     params:
-        config=json.dumps(config, sort_keys=True),
+        config=json.dumps(config),
         maps=DIGESTS,
         asked={**QUESTION, **(asked_jobs(DECISIONS, map_digests()) if ARTICLE else {})},
         codes=codes(),
