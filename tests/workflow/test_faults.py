@@ -319,7 +319,7 @@ def test_merging_batches_refuses_a_batch_given_twice(kept):
     assert done.returncode == 1 and "batches 0, 0 were given where 0 to 1 are needed" in done.stderr
     shutil.copy(kept.folder / first, kept.folder / second)
     done = kept.ptl("survey", "merge", first, second, "--output", "merged.h5")
-    assert done.returncode == 1 and done.stderr.startswith(f"error: {second}: holds the frequencies")
+    assert done.returncode == 1 and done.stderr.startswith(f"error: {second}: holds the job rooms/batch_0.h5")
     assert not (kept.folder / "merged.h5").exists()
     shutil.rmtree(kept.folder / "results/tiny/subgoal_frequencies/rooms")
 
