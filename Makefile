@@ -42,7 +42,7 @@ robustness: build  ## Vary what the article leaves open: reports/published/robus
 fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).
 	$(SNAKEMAKE) fit
 
-beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (40 minutes).
+beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
 	$(BEYOND)
 	@echo "Open reports/beyond/index.html in a browser."
 
