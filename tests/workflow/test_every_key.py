@@ -34,7 +34,7 @@ environments:
   rooms: {map: rooms.txt, tasks: AB}
   again: {map: rooms.txt, tasks: BA}
   env1: {map: rooms.txt, tasks: AB, article_items: {discovery: figure11}}
-methods: [no_transfer, policy_reuse, ptl, mine.py]
+methods: [no_transfer, full_transfer, policy_reuse, ptl, mine.py]
 growth: {tasks: 9, runs: 2}
 subgoal_frequencies: {batches: 1}
 """
