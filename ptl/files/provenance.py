@@ -68,7 +68,8 @@ def _sources_and_imports(module: str) -> tuple[tuple[Path, ...], frozenset[str]]
     if module in EXTENSIONS:
         return tuple(PACKAGE / name for name in EXTENSIONS[module]), frozenset()
     path = PACKAGE.joinpath(*module.split(".")[1:])
-    path = path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
+    # An installed package has a folder config/ of the workflow beside config.py.
+    path = path.with_suffix(".py") if path.with_suffix(".py").is_file() else path / "__init__.py"
     imported = imports_of(path.read_text(encoding="utf-8"))
     folder = FOLDERS.get(module)
     files = sorted(file for file in (PACKAGE / folder).iterdir() if file.is_file()) if folder else []

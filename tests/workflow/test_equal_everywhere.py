@@ -111,8 +111,9 @@ def build_wheel(python: str | Path, folder: Path) -> Path:
     """Build the wheel from a copy of the sources, with what this environment has installed."""
     source = folder / "source"
     ignored = shutil.ignore_patterns("__pycache__", "*.so", "_*.c", "*.egg-info")
-    shutil.copytree(ROOT / "ptl", source / "ptl", ignore=ignored)
-    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
+    for name in ("ptl", "workflow", "profiles", "config"):
+        shutil.copytree(ROOT / name, source / name, ignore=ignored)
+    for name in ("pyproject.toml", "setup.py", "MANIFEST.in", "README.md", "LICENSE"):
         shutil.copy(ROOT / name, source / name)
     done = subprocess.run(
         [python, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", folder / "wheels", source],
