@@ -21,6 +21,7 @@ import pytest
 from damage import SEED, damages, rewrite
 from projects import TARGETS, Project
 
+from ptl.cli.workflow import _at_work
 from ptl.errors import UserError
 from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
 from ptl.files.remedies import rebuild_command
@@ -70,11 +71,11 @@ def kill_one_job(run: subprocess.Popen) -> bool:
 
 
 def disturb(project: Project, kill: Callable, moment: float, *arguments: str) -> bool:
-    """Start a run and kill it, or a part of it, after so many seconds; False if it had ended by then."""
+    """Start a run and kill it, or a part of it, after so many seconds; False if it was complete by then."""
     run = start(project, *arguments)
     try:
         try:
-            run.wait(moment)
+            assert run.wait(moment) == 0  # nothing but a kill ends a run early
             return False
         except subprocess.TimeoutExpired:
             pass
@@ -85,7 +86,7 @@ def disturb(project: Project, kill: Callable, moment: float, *arguments: str) ->
                 hit = kill(run)
             except psutil.Error:  # ended meanwhile
                 continue
-        run.wait(120)
+        run.wait(400)
         return hit
     finally:
         if run.poll() is None:
@@ -122,18 +123,18 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
     chance = random.Random(f"{SEED} smoke")
     config = ("--configfile", "config/smoke.yaml")
     reference, project = Project(tmp_path / "reference", None), Project(tmp_path / "killed", None)
+    started = time.monotonic()
     reference.make(*config)
+    seconds = time.monotonic() - started
     hits = 0
     kills = itertools.cycle((kill_all, kill_snakemake_only, kill_one_job))
-    for _ in range(40):
-        hits += disturb(project, next(kills), chance.uniform(1, 20), *config)
-        if hits == 10:
-            break
-        if (project.folder / "reports/smoke/manifest.json").exists():  # done too soon: lose a part of it
+    while hits < 9:
+        if disturb(project, next(kills), seconds * chance.uniform(0.1, 0.5), *config):
+            hits += 1
+        else:  # complete too soon: lose a part of it
             shutil.rmtree(project.folder / "results/smoke/learning")
             shutil.rmtree(project.folder / "reports/smoke")
     record_property("runs killed", hits)
-    assert hits == 10
     finish(project, *config)
     assert project.files("results", "reports") == reference.files("results", "reports")
     assert not list(project.folder.rglob(f"{UNFINISHED}*"))
@@ -157,8 +158,31 @@ def test_lock_of_a_run_that_goes_on_is_spared_and_that_of_a_killed_one_is_not(tm
         os.killpg(run.pid, signal.SIGKILL)
         run.wait()
     assert list(locks.glob("*.lock"))
-    finish(project, "learning")
+    # Of two starters after a kill one runs and the other is refused at once.
+    starters = [start(project, "learning") for _ in range(2)]
+    assert sorted(starter.wait(120) for starter in starters) == [0, 1]
     assert not list(locks.glob("*.lock"))
+
+
+def test_job_left_behind_by_a_killed_run_is_waited_for(tmp_path, monkeypatch):
+    """A job that is a script works under a Snakemake of its own, which is no second run."""
+    folder = tmp_path / "left"
+    (folder / ".snakemake/locks").mkdir(parents=True)
+    (folder / ".snakemake/locks/0.input.lock").touch()
+    monkeypatch.chdir(folder)
+    for (name, *arguments), kind in (
+        (("snakemake", "--target-jobs", "draw:"), "job"),
+        (("ptl", "learn"), "job"),
+        (("snakemake", "-j2"), "snakemake"),
+    ):
+        (tmp_path / name).write_text("import time; time.sleep(60)")
+        process = subprocess.Popen([sys.executable, tmp_path / name, *arguments], cwd=folder)
+        try:
+            assert _at_work(folder, {os.getuid()}) == {process.pid: kind}
+            assert _at_work(tmp_path, {os.getuid()}) == {}
+        finally:
+            process.kill()
+            process.wait()
 
 
 # -- damage -----------------------------------------------------------------------------------------------------
