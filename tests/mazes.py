@@ -1,4 +1,4 @@
-"""Map texts of all kinds as a Hypothesis strategy; the generators are those of the package."""
+"""Map texts of all kinds as a Hypothesis strategy, and open grids; the other generators are those of the package."""
 
 from __future__ import annotations
 
@@ -6,9 +6,17 @@ import numpy as np
 from hypothesis import strategies as st
 
 from ptl.world.gridworld import GridWorld
-from ptl.world.mazes import GOALS, chain_of_rooms, framed, open_grid, random_rooms, to_text
+from ptl.world.mazes import GOALS, WALL, chain_of_rooms, framed, random_rooms, to_text, with_letters
 
 __all__ = ["chain_of_rooms", "framed", "maps", "open_grid", "random_rooms", "random_world", "to_text"]
+
+
+def open_grid(rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS) -> str:
+    """Return a framed grid with random walls; start and goals are connected, other free cells need not be."""
+    grid = framed(rows, columns)
+    inside = grid[1:-1, 1:-1]
+    inside[rng.random(inside.shape) < wall_share] = WALL
+    return to_text(with_letters(rng, grid, goals))
 
 
 @st.composite

@@ -2,8 +2,7 @@
 
 Our choice throughout; the article has three fixed maps. These serve the tests, the measurements of how the cost
 grows and the second study, whose families of maps are the last part of this module. A map text has ``#`` for a wall,
-``.`` for a free cell, ``I`` for the start and letters for goals. Every map joins its start to all of its goals; open
-grids may keep free cells that no path leads to.
+``.`` for a free cell, ``I`` for the start and letters for goals. Every map joins its start to all of its goals.
 """
 
 from __future__ import annotations
@@ -35,14 +34,6 @@ def chain_of_rooms(rooms: int, size: int = 10, goals: str = GOALS) -> str:
     for room, letter in enumerate(goals, start=rooms - len(goals)):
         grid[size - 1, room * (size + 1) + size - 1] = letter
     return to_text(grid)
-
-
-def open_grid(rng: np.random.Generator, rows: int, columns: int, wall_share: float, goals: str = GOALS) -> str:
-    """Return a framed grid with random walls; start and goals are in one connected part."""
-    grid = framed(rows, columns)
-    inside = grid[1:-1, 1:-1]
-    inside[rng.random(inside.shape) < wall_share] = WALL
-    return to_text(with_letters(rng, grid, goals))
 
 
 def random_rooms(rng: np.random.Generator, rows: int, columns: int, goals: str = GOALS) -> str:

@@ -13,7 +13,7 @@ The last two draw a whole map anew, whatever the world was.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -153,31 +153,6 @@ def corridor_with_rooms(width: int = 4, depth: int = 4, corridor: int = 2, big: 
 def _share(size: int, share: float) -> int:
     """Return the cell, counted from 1, at a share of the room's length."""
     return max(1, round(share * size))
-
-
-def cells_that_must_pass(world: GridWorld, through: np.ndarray, goals: Iterable[int]) -> np.ndarray:
-    """Return the states, goals excluded, from which every path to each of ``goals`` passes a region, bool (n_states,).
-
-    Parameters
-    ----------
-    through : bool array (n_states,)
-        The region; its own cells are not counted.
-    goals : iterable of int
-        States outside the region.
-    """
-    result = ~through
-    result[list(world.goals.values())] = False
-    for goal in goals:
-        open_ = ~through
-        reached = np.zeros(world.n_states, dtype=bool)
-        reached[goal] = True
-        frontier = [goal]
-        while frontier:
-            after = np.unique(world.successors[frontier])
-            frontier = after[open_[after] & ~reached[after]].tolist()
-            reached[frontier] = True
-        result &= ~reached
-    return result
 
 
 def region(world: GridWorld, rows: Sequence[int], columns: Sequence[int]) -> np.ndarray:

@@ -38,7 +38,7 @@ from ptl.study.robustness.design import (
 from ptl.study.robustness.running import read_setting, run_setting
 from ptl.study.robustness.verdicts import NOT_VARIED, load_setting, target_frame, verdict_frame
 from ptl.world.gridworld import GridWorld, load_map
-from ptl.world.variants import cells_that_must_pass, chain_of_rooms, changed_world, region, with_start
+from ptl.world.variants import chain_of_rooms, changed_world, region, with_start
 
 CONFIG = MAPS.parent
 
@@ -165,6 +165,31 @@ def test_changes_that_make_no_map_are_refused(env3: GridWorld, changes: dict) ->
 def test_impossible_rooms_are_refused(env1: GridWorld, changes: dict) -> None:
     with pytest.raises(UserError, match="is not allowed"):
         changed_world(env1, changes)
+
+
+def cells_that_must_pass(world: GridWorld, through: np.ndarray, goals: list[int]) -> np.ndarray:
+    """Return the states, goals excluded, from which every path to each of ``goals`` passes a region, bool (n_states,).
+
+    Parameters
+    ----------
+    through : bool array (n_states,)
+        The region; its own cells are not counted.
+    goals : list of int
+        States outside the region.
+    """
+    result = ~through
+    result[list(world.goals.values())] = False
+    for goal in goals:
+        open_ = ~through
+        reached = np.zeros(world.n_states, dtype=bool)
+        reached[goal] = True
+        frontier = [goal]
+        while frontier:
+            after = np.unique(world.successors[frontier])
+            frontier = after[open_[after] & ~reached[after]].tolist()
+            reached[frontier] = True
+        result &= ~reached
+    return result
 
 
 def test_start_cells_are_candidates(env3: GridWorld, content: dict) -> None:
