@@ -39,9 +39,12 @@ with running(snakemake) as job:
     of_tasks = "random" if "random" in study.sequences.names else MAIN
     places = summary.by_task(tasks, of_tasks, how)
     profiles = summary.profiles(main, how)
-    for name, frame in {"components": components, "winding_trends": trends}.items():
-        write_csv(frame, folder / f"{name}.csv")
+    write_csv(trends, folder / "winding_trends.csv")
     pictures = {}
+
+    def of_costs(*columns):
+        """Return some of what was estimated for each family and method."""
+        return costs[["family", "method", *columns]]
 
     def picture(name, figure, frame, alt, caption):
         """Save a figure; pages name it."""
@@ -51,7 +54,7 @@ with running(snakemake) as job:
     picture(
         "overview",
         figures.overview(costs, looks, titles),
-        costs,
+        of_costs("cost", "low", "high"),
         "Cost of every method in each family of maps",
         "Cost of every method, one panel a family, with intervals.",
     )
@@ -102,7 +105,7 @@ with running(snakemake) as job:
             costs, looks, titles, "family", "cost", ("low", "high"), "Cost as a multiple of the optimum",
             "Geometric mean over maps and lives.", (note,),
         ),
-        costs,
+        of_costs("maps", "seeds", "cost", "low", "high", "library_size"),
     )  # fmt: skip
     ratio_table = table(
         "ratios",
@@ -110,7 +113,7 @@ with running(snakemake) as job:
             costs, looks, titles, "family", "ratio", ("ratio_low", "ratio_high"), "Cost as a multiple of PTL’s",
             "Geometric mean of the ratio on the same maps; below 1 a method is cheaper than PTL.", (note,),
         ),
-        costs,
+        of_costs("ratio", "ratio_low", "ratio_high"),
     )  # fmt: skip
     chances = table(
         "improvement",
@@ -119,7 +122,7 @@ with running(snakemake) as job:
             "Probability of improvement over PTL",
             "Chance that a life costs less than one under PTL on the same map, ties counting half.", best=False,
         ),
-        costs,
+        of_costs("improvement", "improvement_low", "improvement_high"),
     )  # fmt: skip
     sections = [
         {
@@ -138,7 +141,7 @@ with running(snakemake) as job:
             "heading": "Across maps, tasks and sequences",
             "text": "How the cost is spread over lives, how it changes over a life, and what it depends on.",
             "figures": [pictures[name] for name in ("profiles", "tasks", "winding") if name in pictures],
-            "tables": [(table("variance", beyond.component_table(components, looks, titles), components), False)],
+            "tables": [(table("components", beyond.component_table(components, looks, titles), components), False)],
         },
         {
             "heading": "What each method may know",
