@@ -15,7 +15,17 @@ from ptl.errors import UserError
 from ptl.files.atomic import remove_unfinished
 from ptl.files.configuration import read_yaml
 from ptl.files.provenance import check_build, code_digest
-from ptl.study.population.design import Study, cells, job_of, maps_of, method_digest
+from ptl.files.outside import learning_code
+from ptl.methods import identifier
+from ptl.methods.beyond import reference
+from ptl.study.population.design import (
+    Study,
+    cells,
+    job_of,
+    maps_of,
+    method_digest,
+    shown,
+)
 
 min_version("9.27")
 
@@ -36,6 +46,7 @@ except UserError as error:
     os._exit(1)
 
 CELLS = {cell.name: cell for cell in cells(STUDY)}
+SHOWN = {identifier(name): name for name in map(reference, STUDY.explorer.methods)}
 LEARNED = expand("<results>/lives/{cell}.h5", cell=CELLS)
 
 shell.prefix(
@@ -65,6 +76,7 @@ rule beyond:
     input:
         LEARNED,
         f"reports/{STUDY.run}/index.html",
+        [f"reports/{STUDY.run}/explorer.html"] if SHOWN else [],
 
 
 rule lives:
@@ -135,3 +147,71 @@ rule report_beyond:
         "Writing the page of the second study"
     script:
         "scripts/report_beyond.py"
+
+
+# One life of a few methods on some maps, to watch.
+
+
+rule write_maps:
+    input:
+        STUDY.population,
+    output:
+        directory("<results>/maps"),
+    log:
+        "<logs>/write_maps.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        band=STUDY.band,
+        size=STUDY.size,
+    message:
+        "Writing the maps as text"
+    shell:
+        "ptl population {input:q} --maps {output:q} --band {params.band} --size {params.size} 2> {log:q}"
+
+
+rule learn_shown:
+    input:
+        rules.write_maps.output,
+    output:
+        "<results>/learning/{map}/{method}/seed_000.h5",
+    log:
+        "<logs>/learning/{map}/{method}.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        root_seed=STUDY.root_seed,
+        parameters=json.dumps(STUDY.parameters, sort_keys=True),
+        method=lambda wildcards: SHOWN[wildcards.method],
+        code=lambda wildcards: learning_code(SHOWN[wildcards.method]),
+    message:
+        "Learning {wildcards.map} with {wildcards.method} for the explorer"
+    shell:
+        "ptl learn --map {input:q}/{wildcards.map}.txt --environment {wildcards.map} --method {params.method:q}"
+        " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+
+
+rule explore_lives:
+    input:
+        expand(
+            "<results>/learning/{map}/{method}/seed_000.h5",
+            map=shown(STUDY),
+            method=SHOWN,
+        ),
+    output:
+        "<reports>/explorer.html",
+    log:
+        "<logs>/explore_lives.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        study=STUDY.to_dict(),
+        code=code_digest(
+            "ptl.report.explorer.data",
+            "ptl.report.explorer.page",
+            *STUDY.modules,
+        ),
+    message:
+        "Building the explorer of some lives"
+    script:
+        "scripts/explore_lives.py"

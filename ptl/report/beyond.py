@@ -15,7 +15,7 @@ from ptl.methods import beyond
 from ptl.report.figures.beyond import Look
 from ptl.report.table import Cell, Column, Group, Row, Table, text_table
 from ptl.report.templating import render
-from ptl.study.population.design import MAIN, Study
+from ptl.study.population.design import MAIN, Study, shown
 from ptl.study.population.summary import BASE
 from ptl.text import MISSING, interval, number, percent
 
@@ -367,6 +367,15 @@ def introduction(study: Study, lives: pd.DataFrame) -> str:
         f" {' and on '.join(places)}. A life is six tasks of {number(study.learning.episodes)} episodes;"
         f" {number(len(lives))} lives in all."
     )
+
+
+def explorer_line(study: Study, looks: Mapping[str, Look]) -> str:
+    """Describe what the explorer shows, empty if there is none."""
+    names = methods.by_identifier(map(beyond.reference, study.explorer.methods))
+    if not names:
+        return ""
+    maps = len(shown(study))
+    return f"one more life of {_listed(list(names), looks)} on each of {number(maps)} maps, step by step."
 
 
 READING = (

@@ -165,6 +165,7 @@ with running(snakemake) as job:
         beyond.page(
             introduction=beyond.introduction(study, lives),
             answers=beyond.answers(costs, looks, generated, components, titles),
+            explorer=beyond.explorer_line(study, looks),
             reading=beyond.READING,
             sections=[section for section in sections if section["figures"] or section["tables"]],
             method_lines=beyond.method_lines(study),

@@ -50,6 +50,13 @@ class LibrarySizes(Group, frozen=True, kw_only=True):
     maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
 
 
+class Shown(Group, frozen=True, kw_only=True):
+    """What the explorer shows: one life of some methods on the first maps of each family."""
+
+    methods: Annotated[list[str], key("Methods; without any there is no explorer.", wanted="a list of methods")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=100)] = 1
+
+
 class Study(Parameters, frozen=True, kw_only=True):
     """The second study: maps, methods and effort."""
 
@@ -91,6 +98,7 @@ class Study(Parameters, frozen=True, kw_only=True):
     ] = []  # noqa: RUF012
     sequences: Sequences = Sequences()
     library_sizes: LibrarySizes = LibrarySizes()
+    explorer: Shown = Shown()
     batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
     statistics: Statistics = Statistics()
 
@@ -101,6 +109,7 @@ class Study(Parameters, frozen=True, kw_only=True):
             ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s != MAIN]),
             ("sequences.methods", self.sequences.methods, self.methods),
             ("library_sizes.methods", self.library_sizes.methods, self.methods),
+            ("explorer.methods", self.explorer.methods, self.methods),
         ):
             for value in given:
                 if value not in known:
@@ -169,6 +178,13 @@ def cells(study: Study) -> Iterator[Cell]:
             yield Cell(family, 0, ARTICLE, [entry.map], study.article_seeds, method, per_task, entry.tasks)
         for path in study.moving_ai:
             yield Cell(MOVING_AI, 0, MAIN, [path], study.seeds, method, per_task)
+
+
+def shown(study: Study) -> dict[str, tuple[str, int]]:
+    """Return family and seed of each map that the explorer shows, by the name of its file."""
+    seeds = range(min(study.explorer.maps, study.maps) if study.explorer.methods else 0)
+    places = [(family, BANDS[study.band] + seed) for family in study.families for seed in seeds]
+    return {f"{family}_{study.size}_{seed}": (family, seed) for family, seed in places}
 
 
 def maps_of(cell: Cell, study: Study) -> list[str]:
