@@ -8,6 +8,8 @@ import pandas as pd
 import pytest
 from projects import TINY, Project
 
+pytestmark = pytest.mark.slow
+
 ADDED_FIGURE = '''
 """Steps of the first episode, seed by seed."""
 

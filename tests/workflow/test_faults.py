@@ -100,6 +100,7 @@ def finish(project: Project, *arguments: str) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
+@pytest.mark.slow
 def test_killed_runs_end_in_the_same_bytes(undisturbed, tmp_path, record_property):
     chance = random.Random(SEED)
     project = Project(tmp_path / "killed")
