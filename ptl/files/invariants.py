@@ -37,7 +37,7 @@ def impossible(result: ResultFile) -> Iterator[str]:
 def _learning(result: LearningFile) -> Iterator[str]:
     world = result.world
     options = 1
-    ours = result.method in methods.names()  # a method of one's own may mean something else by Q
+    ours = result.method in methods.names()  # another method may mean something else by Q, and draw what is no skill
     for index, (name, task) in enumerate(result.tasks.items()):
         shortest = world.shortest_path_length(task.start, task.goal)
         if shortest < 0:
@@ -49,7 +49,7 @@ def _learning(result: LearningFile) -> Iterator[str]:
                 yield f"task {name}: a value of Q is outside [0, 1]"
             if task.q[task.goal].any() and result.method != "full_transfer":
                 yield f"task {name}: Q is not zero at the goal, where no action is taken"
-        yield from _selection(name, task, options)
+        yield from _selection(name, task, options if ours else None)
         if task.subgoal >= 0 and not (task.seen[task.subgoal] or task.subgoal == task.goal):
             yield f"task {name}: the new subgoal was never visited"
         options += result.library is None or task.subgoal >= 0
@@ -60,11 +60,11 @@ def _learning(result: LearningFile) -> Iterator[str]:
     yield from _library(result, len(result.tasks))
 
 
-def _selection(name: str, task: TaskView, options: int) -> Iterator[str]:
+def _selection(name: str, task: TaskView, options: int | None) -> Iterator[str]:
     selected, offsets = task.selected, task.selected_offsets
     if offsets[0] != 0 or (np.diff(offsets) < 0).any() or offsets[-1] != len(selected):
         yield f"task {name}: the skills drawn do not fit the episodes"
-    elif len(selected) and selected.max() >= options:
+    elif options is not None and len(selected) and selected.max() >= options:
         yield f"task {name}: a skill was drawn that did not exist yet"
 
 

@@ -87,7 +87,8 @@ def _write_task(group: h5py.Group, record: TaskRecord) -> None:
 
 
 def _write_library(group: h5py.Group, library: SkillLibrary, n_states: int) -> None:
-    group["subgoals"] = np.array(library.subgoals, dtype=np.int32)
+    # The skills and not `library.subgoals`: a library that makes its policies when they are drawn has none to store.
+    group["subgoals"] = np.array([skill.subgoal for skill in library.skills], dtype=np.int32)
     group["policies"] = np.array([skill.policy for skill in library.skills], dtype=np.int8).reshape(-1, n_states)
     group["learned_after"] = np.array([skill.learned_after for skill in library.skills], dtype=np.int32)
 

@@ -10,10 +10,13 @@ from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.skills import Skill
 from ptl.config import Parameters
+from ptl.files.outside import learning_code, record
+from ptl.files.results import write_learning
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.method_check import check_method
 from ptl.methods import beyond
 from ptl.methods.beyond._model import Model
+from ptl.report.explorer.data import collect
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 
@@ -29,6 +32,21 @@ def make(name: str, world: GridWorld, seed: int = 0, **changes) -> methods.BaseM
 def steps_of(name: str, world: GridWorld, seed: int, tasks: str, parameters: Parameters = FEW) -> list[np.ndarray]:
     life = learn_life(world, tasks_of(world, tasks), beyond.reference(name), parameters, seed)
     return [record.steps for record in life.records]
+
+
+@pytest.mark.parametrize("name", beyond.names())
+def test_a_life_of_each_is_a_sound_file_that_the_explorer_shows(name, tmp_path):
+    """A method may draw what is no skill of the library."""
+    reference = beyond.reference(name)
+    life = learn_life(RING, tasks_of(RING, "AB"), reference, FEW, 15, "ring", 0)
+    path = tmp_path / "seed_000.h5"
+    write_learning(path, life, RING, {
+        "environment": "ring", "method": name, "seed": 0, "root_seed": 15,
+        "parameters": FEW.to_dict() | record(reference, methods.load(reference)), "code": learning_code(reference),
+    })  # fmt: skip
+    [entry] = collect([path], window=5, kinds={name: methods.load(reference)})["environments"]
+    drawn = [task["drawn"] for task in entry["runs"][f"{name}/0"]["tasks"]]
+    assert drawn == [[list(episode) for episode in task.selected] for task in life.records]
 
 
 @pytest.mark.parametrize("name", beyond.names())

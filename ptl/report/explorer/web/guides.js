@@ -7,7 +7,7 @@ import { html, svg } from "./svg.js";
 /** Name of a candidate for reading. */
 export function guideName(task, candidate) {
   const kind = task.method.guides;
-  if (candidate < 0) return "A policy of its own";
+  if (candidate < 0 || candidate > task.guides.length) return "A policy of its own";
   if (candidate === 0) {
     return { skills: "No skill", policies: "New policy", none: "Learned policy" }[kind];
   }
