@@ -54,7 +54,7 @@ beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 300
 	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
 	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
-benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md.
+benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
 reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.

@@ -248,7 +248,7 @@ def larger_table(frame: pd.DataFrame) -> Table:
         value = group.set_index("quantity")["value"]
         row = [f"{kind}, {number(int(size))} states"]
         for method in METHODS:
-            error = percent(value[f"{method}, relative standard error"])
+            error = f"{100 * value[f'{method}, relative standard error']:.0f}%"
             timed = percent(value[f"{method}, pairs timed, count"] / (size * (size - 1)))
             row += [f"{number(value[f'{method}, s'])} (± {error})", timed, number(value[f"{method}, memory, MiB"])]
         row.append(number(value[f"{EVERY_STEP}, s"] / value[f"{TREES}, s"]))
@@ -278,7 +278,8 @@ def ten_minutes_table(frame: pd.DataFrame) -> Table:
         first = curve.iloc[0]
         exponent = estimate(first["exponent"], first["exponent_low"], first["exponent_high"])
         how = "between measured sizes" if within else "extrapolated"
-        rows.append((str(quantity).removesuffix(", s"), str(kind), f"{number(size)}", how, exponent))
+        rounded = number(int(float(f"{size:.2g}")))
+        rows.append((str(quantity).removesuffix(", s"), str(kind), rounded, how, exponent))
     headings = ("what", "map", "states at ten minutes", "how found", "exponent p")
     return text_table(
         "Where ten minutes are passed",

@@ -79,7 +79,15 @@ def _curves(
 
 def _mark_ten_minutes(axes: Axes) -> None:
     axes.axhline(TEN_MINUTES, color=style.MUTED, linewidth=1)
-    axes.annotate("ten minutes", (1, TEN_MINUTES), (-4, 4), ("axes fraction", "data"), "offset points", ha="right")
+    axes.annotate(
+        "ten minutes",
+        (0, TEN_MINUTES),
+        (6, 5),
+        ("axes fraction", "data"),
+        "offset points",
+        color=style.MUTED,
+        fontsize=13,
+    )
 
 
 def _tasks(axes: Axes, part: pd.DataFrame) -> None:
