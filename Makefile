@@ -100,6 +100,7 @@ build: .venv/.built  ## Install the package into .venv and compile its kernel.
 	@echo "Building ptl"
 	@.venv/bin/python -m pip install --no-deps --no-build-isolation --editable . > .venv/build.log 2>&1 || { \
 	  cat .venv/build.log; echo "error: the package could not be built; see the lines above" >&2; exit 1; }
+	@.venv/bin/python -m compileall -q ptl  # jobs may not be allowed to, and would compile anew every time
 	@touch $@
 
 $(RUN_TOOLS): requirements.lock
