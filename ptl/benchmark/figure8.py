@@ -12,7 +12,7 @@ import pandas as pd
 from ptl.benchmark.scaling import probe
 from ptl.benchmark.surveys import METHODS
 
-BATCHES = 8
+BATCHES = 12
 """Parts of a map's pairs; the methods take turns at them, so that disturbances affect both."""
 
 QUANTITIES = ("core seconds", "steps", "pairs")

@@ -22,7 +22,7 @@ with running(snakemake) as job:
     check_installed()
     computer = machine.describe()
     path, letter, config = Path(job.input.map), snakemake.params.task, snakemake.params.config
-    measured = speed.measure(Task(load_map(path), letter), rounds=15, say=say)
+    measured = speed.measure(Task(load_map(path), letter), rounds=11, say=say)
     maps = {name: Path(entry["map"]) for name, entry in config["environments"].items()}
     trajectories = config["subgoal_frequencies"]["trajectories"]
     surveys = figure8.measure(maps, trajectories, json.dumps({"learning": config["learning"]}), say=say)
