@@ -54,7 +54,7 @@ beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 300
 	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
 	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
-benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md.
+benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
 reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
@@ -100,6 +100,7 @@ build: .venv/.built  ## Install the package into .venv and compile its kernel.
 	@echo "Building ptl"
 	@.venv/bin/python -m pip install --no-deps --no-build-isolation --editable . > .venv/build.log 2>&1 || { \
 	  cat .venv/build.log; echo "error: the package could not be built; see the lines above" >&2; exit 1; }
+	@.venv/bin/python -m compileall -q ptl  # jobs may not be allowed to, and would compile anew every time
 	@touch $@
 
 $(RUN_TOOLS): requirements.lock

@@ -1,6 +1,6 @@
-"""Learners that are timed against each other on the same task under the same law.
+"""Learners that are timed against each other on the same task under the same law, and what bounds their speed.
 
-All of them do tabular one-step Q-learning with the same alpha, gamma and epsilon, uniform ties and no step limit, on
+All learners do tabular one-step Q-learning with the same alpha, gamma and epsilon, uniform ties and no step limit, on
 the same map. Each contestant is a class; an instance learns one task, and only `run` is timed.
 """
 
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import random
 from importlib.util import find_spec
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Protocol
 
 import numpy as np
@@ -24,19 +26,23 @@ def check_installed() -> None:
     ------
     UserError
     """
-    for module in ("gymnasium", "numba"):
+    for module, package in {"gymnasium": "gymnasium", "mdp": "mdplib", "numba": "numba"}.items():
         if find_spec(module) is None:
-            raise UserError(f"{module} is not installed; run 'make benchmark', which installs it first")
+            raise UserError(f"{package} is not installed; run 'make benchmark', which installs it first")
 
 
-class Contestant(Protocol):
-    """A learner: ``run`` learns some episodes from the start to the goal and returns their primitive steps."""
+class Timed(Protocol):
+    """What can be timed: ``run`` does some episodes from the start to the goal and returns their primitive steps."""
 
     def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None: ...
 
     def run(self, episodes: int) -> int:
-        """Learn; return the number of steps taken."""
+        """Run; return the number of steps taken."""
         ...
+
+
+class Contestant(Timed, Protocol):
+    """A learner."""
 
     @property
     def q(self) -> np.ndarray:
@@ -181,3 +187,98 @@ class NumbaLoop:
     def q(self) -> np.ndarray:
         """Action values, float array (n_states, 4)."""
         return self._q
+
+
+class Mdplib:
+    """The Q-learning of mdplib, a library of tabular methods in C++.
+
+    Its epsilon falls from 1 and its ties go to the first action, so it shares the law of the others only where every
+    action is random: its epsilon is held at 1, whatever the task says. It knows no episodes: the goal leads to the
+    start, and `run` takes `STEPS` steps whatever the number of episodes.
+    """
+
+    STEPS = 1_000_000
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        from mdp.core import MDP
+
+        if initial_q is not None:
+            raise ValueError("mdplib begins with Q = 0")
+        self._task, self._seed = task, seed
+        after = task.successors.copy()
+        after[task.goal] = task.start
+        rows = [
+            f"{state},{action},{after[state, action]},1,{int(after[state, action] == task.goal)}\n"
+            for state, action in np.ndindex(after.shape)
+        ]
+        with TemporaryDirectory() as folder:
+            table = Path(folder, "transitions.csv")
+            table.write_text("sn,a,sn1,prob,reward\n" + "".join(rows), encoding="ascii")
+            names = [list(range(length)) for length in after.shape]
+            self._model = MDP(*names, None, None, build_transition_file=False, transition_file=str(table))
+
+    def run(self, episodes: int) -> int:
+        """Learn anew; return the number of steps taken."""
+        task = self._task
+        self._model.QLearning(
+            task.gamma, 1.0, task.alpha, s0=task.start, max_iter=self.STEPS, verbose=False, seed=self._seed
+        )
+        return self.STEPS
+
+    @property
+    def values(self) -> np.ndarray:
+        """Greatest action value of each state, float array (n_states,)."""
+        return np.array(self._model.value)
+
+
+# -- limits --------------------------------------------------------------------------------------------------
+
+
+class BareWalk:
+    """The random walk to the goal and nothing else: one look-up after another, with random bits that cost nothing."""
+
+    steps_a_lookup = 1
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        from ptl.benchmark import numba_loop
+
+        self._walk = numba_loop.walk
+        table = task.successors.copy()
+        table[task.goal] = task.goal
+        bits = 2 * self.steps_a_lookup
+        if self.steps_a_lookup == 2:
+            table = table[table].reshape(len(table), 16)
+        places = (task.start << bits, task.goal << bits)
+        words = np.random.SFC64(seed).random_raw(2**12)
+        self._arguments = ((table << bits).astype(np.uint32).ravel(), bits, *places, words)
+        self.run(0)  # compiles the loop
+
+    def run(self, episodes: int) -> int:
+        """Walk; return the number of steps taken."""
+        return self.steps_a_lookup * self._walk(*self._arguments, episodes)
+
+
+class BareWalkByTwos(BareWalk):
+    """The same with the table of two steps at a time; the step that would leave the goal counts as well."""
+
+    steps_a_lookup = 2
+
+
+class RandomWords:
+    """Random words as the kernel draws them, by numpy's C interface: `WORDS` of them a run."""
+
+    WORDS = 10_000_000
+
+    def __init__(self, task: Task, seed: int, initial_q: np.ndarray | None = None) -> None:
+        from ptl.benchmark import numba_loop
+
+        self._draw = numba_loop.draw
+        self._generator = np.random.SFC64(seed)  # owns the state
+        interface = self._generator.ctypes
+        self._arguments = (interface.next_uint64, interface.state_address)
+        self._draw(*self._arguments, 0)  # compiles the loop
+
+    def run(self, episodes: int) -> int:
+        """Draw; return the number of words."""
+        self._draw(*self._arguments, self.WORDS)
+        return self.WORDS

@@ -8,7 +8,7 @@ import sys
 from importlib import metadata
 from pathlib import Path
 
-PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "numba")
+PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "mdplib", "numba")
 
 
 def describe() -> dict[str, str]:

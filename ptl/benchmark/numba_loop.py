@@ -1,6 +1,8 @@
-"""Tabular Q-learning as users of Numba write it: one plain loop over arrays, compiled when first called."""
+"""Loops that Numba compiles when they are first called: Q-learning as its users write it, and two bare limits."""
 
 from __future__ import annotations
+
+from collections.abc import Callable
 
 import numba
 import numpy as np
@@ -44,3 +46,43 @@ def learn(
             state = after
             steps += 1
     return steps
+
+
+@numba.njit
+def walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray, episodes: int) -> int:
+    """Walk at random from ``start`` to ``goal``, some times; return the number of look-ups.
+
+    Nothing but what each look-up needs to know from the one before: an index and ``bits`` random bits.
+
+    Parameters
+    ----------
+    table : uint32 array, shape (n_states * 2**bits,)
+        Index of the first of the next state's entries; ``start`` and ``goal`` are such indices too.
+    words : uint64 array, shape (k,)
+        Random words, used over and over, so that drawing them costs nothing.
+    """
+    lookups, place, left = 0, 0, 0
+    word, shift, mask = np.uint64(0), np.uint64(bits), np.uint64((1 << bits) - 1)
+    for _ in range(episodes):
+        index = np.uint64(start)
+        while index != goal:
+            if left == 0:
+                word = words[place]
+                place += 1
+                if place == len(words):
+                    place = 0
+                left = 64 // bits
+            index = np.uint64(table[index + (word & mask)])
+            word >>= shift
+            left -= 1
+            lookups += 1
+    return lookups
+
+
+@numba.njit
+def draw(next_word: Callable[[int], int], state: int, number: int) -> np.uint64:
+    """Call a bit generator's C function a number of times, as the kernel does; return the words' exclusive or."""
+    mixed = np.uint64(0)
+    for _ in range(number):
+        mixed ^= next_word(state)
+    return mixed

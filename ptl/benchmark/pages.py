@@ -6,8 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import pandas as pd
 
-from ptl.benchmark.speed import BASE, ENTRIES, EPISODES, SAMPLED_EVERY
+from ptl.benchmark.run import NOTE
+from ptl.benchmark.scaling import size_at
+from ptl.benchmark.speed import BASE, ENTRIES, EPISODES, LIMITS, SAMPLED_EVERY
 from ptl.benchmark.startup import PHASES
+from ptl.benchmark.surveys import EVERY_STEP, METHODS, TREES
 from ptl.config import Parameters
 from ptl.methods import load
 from ptl.report.table import Table, text_table, to_markdown
@@ -30,19 +33,22 @@ WHOLE = ("states", "count", "bytes")
 UNITS_OF_TIME = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9))
 
 
-def benchmark_csv(
-    machine: Mapping[str, str], speed: pd.DataFrame, startup: pd.DataFrame, run: pd.DataFrame
-) -> pd.DataFrame:
+TEN_MINUTES = 600.0
+"""CPU seconds; the page says at which size each part of the larger worlds passes them."""
+
+
+def benchmark_csv(machine: Mapping[str, str], **parts: pd.DataFrame) -> pd.DataFrame:
     """Return all numbers of the benchmark, columns `CSV_COLUMNS`; rows of the machine have words for a quantity."""
     words = pd.DataFrame([{"item": name, "quantity": text} for name, text in machine.items()])
-    parts = {"machine": words, "speed": speed, "start-up": startup, "run": run}
-    frames = [frame.assign(part=part) for part, frame in parts.items()]
+    frames = [frame.assign(part=part) for part, frame in {"machine": words, **parts}.items()]
     return pd.concat([frame.reindex(columns=CSV_COLUMNS) for frame in frames], ignore_index=True)
 
 
 def benchmark_markdown(
     machine: Mapping[str, str],
     speed: pd.DataFrame,
+    limit: pd.DataFrame,
+    survey: pd.DataFrame,
     startup: pd.DataFrame,
     run: pd.DataFrame,
     *,
@@ -56,13 +62,20 @@ def benchmark_markdown(
     place, letter : str
         Map and goal letter of the task that was learned; the jobs learned all tasks of the map.
     """
-    tables = [speed_table(speed, place, letter), startup_table(startup, place), run_table(run)]
+    tables = [
+        speed_table(speed, place, letter),
+        limit_table(limit),
+        survey_table(survey),
+        startup_table(startup, place),
+        run_table(run),
+    ]
     return _markdown("Benchmark", machine, tables)
 
 
 def scaling_markdown(machine: Mapping[str, str], frame: pd.DataFrame) -> str:
     """Render the growth of the cost as one Markdown page."""
-    return _markdown("Growth of the cost", machine, [exponents_table(frame), large_table(frame)])
+    tables = [exponents_table(frame), large_table(frame), larger_table(frame), ten_minutes_table(frame)]
+    return _markdown("Growth of the cost", machine, tables)
 
 
 def _markdown(title: str, machine: Mapping[str, str], tables: Sequence[Table]) -> str:
@@ -89,7 +102,60 @@ def speed_table(summary: pd.DataFrame, place: str, letter: str) -> Table:
             f" task would take minutes: {sampled}.",
             "While Q is zero: α = 0, so that every episode follows the law of the first one. The shortcut applies"
             " where Q has been zero all around; its steps follow the same law, but two of them cost one look-up.",
+            "mdplib breaks ties differently and lets ε fall from 1, so it shares the law of the others only where all"
+            " actions are random: with its ε held at 1, while Q is zero.",
         ),
+    )
+
+
+def limit_table(summary: pd.DataFrame) -> Table:
+    """Lay out what bounds the kernel, and how near it comes."""
+    values = summary.set_index(["item", "quantity"])
+    rates = [(entry.label, values.loc[(entry.label, "per CPU second")]) for entry in LIMITS]
+    rows = [(label, *_with_range(rate[["value", "low", "high"]] / 1e6)) for label, rate in rates]
+    for entry in ENTRIES:
+        if entry.limit:
+            share = values.loc[(entry.label, f"share of {entry.limit}")]
+            limits = f"{percent(share['low'])} to {percent(share['high'])}"
+            rows.append((f"{entry.label}: share of {entry.limit}", percent(share["value"]), limits))
+    return text_table(
+        "How far from the limit",
+        "Millions per CPU second, measured in the same rounds.",
+        ("limit or learner", "value", "least to greatest"),
+        rows,
+        (
+            "A bare random walk learns nothing and remembers nothing: each look-up waits for the one before, and its"
+            " random bits are drawn beforehand. A learner of this kind cannot be faster.",
+            "Random words are drawn one by one through numpy's C interface. A step of the kernel takes half a word, and"
+            " with the shortcut a thirty-second of one.",
+        ),
+    )
+
+
+def survey_table(summary: pd.DataFrame) -> Table:
+    """Lay out what the survey of figure 8 takes by both methods, map by map."""
+    values = summary.set_index(["item", "quantity"])["value"]
+    names = [name.removeprefix("core seconds") for name in values[TREES].index if name.startswith("core seconds")]
+    rows = []
+    for ending in names:
+        seconds = [values[method, f"core seconds{ending}"] for method in METHODS]
+        steps = [number(values[method, f"steps{ending}"] / 1e9) for method in METHODS]
+        pairs = number(int(values[TREES, f"pairs{ending}"]))
+        ratio = number(seconds[0] / seconds[1])
+        rows.append((ending.removeprefix(", ") or "all maps", pairs, *map(number, seconds), ratio, *steps))
+    return text_table(
+        "Figure 8: the subgoals of all pairs of start and goal",
+        "All pairs by both methods, the batches of one beside those of the other.",
+        (
+            "map",
+            "pairs",
+            "core seconds, every step simulated",
+            "core seconds, with trees",
+            "ratio",
+            "billion steps, every step simulated",
+            "billion steps, with trees",
+        ),
+        rows,
     )
 
 
@@ -129,14 +195,14 @@ def run_table(summary: pd.DataFrame) -> Table:
         + ".",
         ("rule", "jobs", "wall seconds, all jobs", "wall seconds, a job", "share of core time"),
         rows,
-        ("Wall time of a job: from its start to its last product.",),
+        ("Wall time of a job: from its start to its last product.", NOTE),
     )
 
 
 def exponents_table(frame: pd.DataFrame) -> Table:
     """Lay out the value at both ends and the exponent of every curve."""
     rows = []
-    curves = frame[frame["part"] != "large"].groupby(["part", "kind", "quantity"], sort=False)
+    curves = frame[frame["part"].isin(SIZES)].groupby(["part", "kind", "quantity"], sort=False)
     for (part, kind, quantity), curve in curves:
         ends = curve.sort_values("size").iloc[[0, -1]].to_dict("records")
         last = ends[-1]
@@ -171,6 +237,60 @@ def large_table(frame: pd.DataFrame) -> Table:
         "Two tasks under PTL, learned to the end.",
         ("quantity", "value"),
         rows,
+    )
+
+
+def larger_table(frame: pd.DataFrame) -> Table:
+    """Lay out the survey of subgoals and a life on larger and larger maps."""
+    part = frame[frame["part"].isin(["survey", "life"])]
+    rows = []
+    for (kind, size), group in part.groupby(["kind", "size"], sort=False):
+        value = group.set_index("quantity")["value"]
+        row = [f"{kind}, {number(int(size))} states"]
+        for method in METHODS:
+            error = f"{100 * value[f'{method}, relative standard error']:.0f}%"
+            timed = percent(value[f"{method}, pairs timed, count"] / (size * (size - 1)))
+            row += [f"{number(value[f'{method}, s'])} (± {error})", timed, number(value[f"{method}, memory, MiB"])]
+        row.append(number(value[f"{EVERY_STEP}, s"] / value[f"{TREES}, s"]))
+        rows.append((*row, number(value["life of ten tasks, s"]), number(value["life of ten tasks, memory, MiB"])))
+    heads = [f"{method}: {head}" for method in METHODS for head in ("core seconds", "pairs timed", "memory, MiB")]
+    return text_table(
+        "Larger worlds",
+        "Figure 8's survey of all pairs of start and goal by both methods, and a life of ten random tasks under PTL.",
+        ("map", *heads, "ratio of the surveys", "life of ten tasks: core seconds", "life of ten tasks: memory, MiB"),
+        rows,
+        (
+            "The seconds of a survey are extrapolated from the share of all pairs that was timed, drawn at random; in"
+            " brackets the standard error that comes from the sample. A life is the mean of several; its episodes have"
+            " no step limit.",
+            "Memory is that beyond what the process held before.",
+        ),
+    )
+
+
+def ten_minutes_table(frame: pd.DataFrame) -> Table:
+    """Lay out the size of the map at which each part of the larger worlds takes ten minutes of one core."""
+    part = frame[frame["quantity"].isin([f"{EVERY_STEP}, s", f"{TREES}, s", "life of ten tasks, s"])]
+    part = part[part["part"].isin(["survey", "life"])]
+    rows = []
+    for (quantity, kind), curve in part.groupby(["quantity", "kind"], sort=False):
+        size, within = size_at(curve, TEN_MINUTES)
+        first = curve.iloc[0]
+        exponent = estimate(first["exponent"], first["exponent_low"], first["exponent_high"])
+        how = "between measured sizes" if within else "extrapolated"
+        rounded = number(int(float(f"{size:.2g}")))
+        rows.append((str(quantity).removesuffix(", s"), str(kind), rounded, how, exponent))
+    headings = ("what", "map", "states at ten minutes", "how found", "exponent p")
+    return text_table(
+        "Where ten minutes are passed",
+        "Size of the map at which the work takes ten minutes of one core.",
+        headings,
+        rows,
+        (
+            "Between measured sizes by a straight line on logarithms; extrapolated by the power law fitted to the"
+            " larger sizes.",
+        ),
+        (headings[1], headings[3]),
     )
 
 

@@ -18,6 +18,7 @@ from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.selection import SkillSelection, prior
 from ptl.agent.skills import Skill, SkillLibrary
 from ptl.agent.subgoals import discover
+from ptl.benchmark import surveys
 from ptl.benchmark.memory import peak_mebibytes
 from ptl.config import Parameters
 from ptl.learning import life as learning
@@ -36,6 +37,9 @@ STEPS_FROM_A_START = 10**4
 FIRST_EPISODES = 3
 """First episodes over which their length is averaged."""
 
+TASKS_OF_A_LIFE = 10
+"""Tasks of a life on larger and larger maps."""
+
 Record = dict[str, Any]
 
 
@@ -44,15 +48,18 @@ def world_of(kind: str, states: int) -> GridWorld:
 
     Parameters
     ----------
-    kind : {"chain", "rooms", "ring"}
-        A row of 10 x 10 rooms (as environment 1); a square cut at random into small rooms; or one corridor that
-        closes on itself, the worst case of the diameter.
+    kind : {"chain", "rooms", "maze", "ring"}
+        A row of 10 x 10 rooms (as environment 1); a square cut at random into small rooms; a perfect maze; or one
+        corridor that closes on itself, the worst case of the diameter.
     """
     if kind == "chain":
         return GridWorld.from_text(mazes.chain_of_rooms(max(2, round(states / 101)), 10, "A"), "chain")
     if kind == "rooms":
         side = round((states / 0.64) ** 0.5) + 2
         return GridWorld.from_text(mazes.random_rooms(np.random.default_rng(states), side, side, "A"), "rooms")
+    if kind == "maze":
+        random = np.random.default_rng(states)
+        return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, mazes.maze(random, states), "A")), "maze")
     if kind == "ring":
         side = round(states / 4) + 1
         grid = np.full((side, side), mazes.FREE)
@@ -288,12 +295,66 @@ def large(side: int) -> list[Record]:
     ]
 
 
+def survey_batch(
+    map_path: str, method: str, batch: int, batches: int, trajectories: int, parameters: str
+) -> list[Record]:
+    """A batch of the survey of a map's subgoals by one of `surveys.METHODS`."""
+    world, learning = load_map(map_path), Parameters.from_json(parameters).learning
+    taken = surveys.costs(world, method, surveys.batch_of(world, batch, batches), trajectories, learning).sum(axis=0)
+    return [
+        {"quantity": quantity, "value": value}
+        for quantity, value in zip(("core seconds", "steps", "pairs"), taken.tolist(), strict=True)
+    ]
+
+
+def survey(kind: str, size: int, method: str, number: int) -> list[Record]:
+    """The survey of subgoals on a map of about ``size`` states, scaled up from ``number`` starts or goals."""
+    world, parameters = world_of(kind, size), Parameters()
+    held = peak_mebibytes()
+    sample = surveys.sample_of(world, method, min(number, world.n_states), np.random.default_rng(0))
+    taken = surveys.costs(world, method, sample, parameters.subgoals.trajectories, parameters.learning)
+    seconds, steps, pairs = taken.sum(axis=0)
+    scale = world.n_states * (world.n_states - 1) / pairs
+    means = taken[:, 0] / taken[:, 2]
+    return [
+        {"quantity": "states", "value": world.n_states},
+        {"quantity": f"{method}, s", "value": scale * seconds},
+        {
+            "quantity": f"{method}, relative standard error",
+            "value": means.std(ddof=1) / means.mean() / len(means) ** 0.5,
+        },
+        {"quantity": f"{method}, steps", "value": scale * steps},
+        {"quantity": f"{method}, pairs timed, count", "value": int(pairs)},
+        {"quantity": f"{method}, memory, MiB", "value": peak_mebibytes() - held},
+    ]
+
+
+def life(kind: str, size: int, lives: int) -> list[Record]:
+    """Lives of ten random tasks under PTL on a map of about ``size`` states, every episode to its goal: their mean."""
+    world = world_of(kind, size)
+    held = peak_mebibytes()
+    parameters = Parameters().replace(learning__max_steps=surveys.NO_LIMIT)
+    begin, steps = time.process_time(), 0
+    for number in range(lives):
+        grown = grow_library(world, TASKS_OF_A_LIFE, parameters, 0, "benchmark", number)
+        steps += int(sum(record.steps.sum() for record in grown.records))
+    return [
+        {"quantity": "states", "value": world.n_states},
+        {"quantity": "life of ten tasks, s", "value": (time.process_time() - begin) / lives},
+        {"quantity": "life of ten tasks, steps", "value": steps / lives},
+        {"quantity": "life of ten tasks, memory, MiB", "value": peak_mebibytes() - held},
+    ]
+
+
 MEASUREMENTS: dict[str, Callable[..., list[Record]]] = {
     "states": states,
     "diameter": diameter,
     "library": library,
     "tasks": tasks,
     "large": large,
+    "survey_batch": survey_batch,
+    "survey": survey,
+    "life": life,
 }
 
 

@@ -13,6 +13,8 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from ptl.benchmark.surveys import EVERY_STEP, TREES
+
 COLUMNS = ["part", "kind", "size", "quantity", "value", "exponent", "exponent_low", "exponent_high", "fitted_from"]
 
 
@@ -30,7 +32,12 @@ class Plan:
         Cells each way of the map that is learned to the end.
     library_states : int
         States of the map on which the library is measured.
-    fit_states, fit_skills, fit_tasks : int
+    larger : sequence of int
+        States of random rooms and mazes on which the survey of subgoals and lives of ten tasks are measured.
+    starts, goals, lives : int
+        What is measured there is a sample: starts of the survey with every step simulated, goals of the survey with
+        trees, and lives, each divided by the number of states, but 3 at least.
+    fit_states, fit_larger, fit_skills, fit_tasks : int
         Exponents are fitted from these sizes on; below them constant costs hide the growth.
     """
 
@@ -40,7 +47,12 @@ class Plan:
     tasks: int = 1000
     large: int = 300
     library_states: int = 2000
+    larger: Sequence[int] = (300, 1000, 3000, 10_000)
+    starts: int = 60_000
+    goals: int = 40_000
+    lives: int = 30_000
     fit_states: int = 1000
+    fit_larger: int = 900
     fit_skills: int = 100
     fit_tasks: int = 10
 
@@ -58,9 +70,9 @@ def measure(map_path: Path, plan: Plan, say: Callable[[str], None] = lambda _: N
     Returns
     -------
     DataFrame
-        Columns `COLUMNS`: ``part`` (states, diameter, library, tasks, large), ``kind`` of map, ``size``, ``quantity``
-        with its unit, ``value``, and the exponent of the power law that was fitted with its 95% interval, empty
-        where none is.
+        Columns `COLUMNS`: ``part`` (states, diameter, library, tasks, large, survey, life), ``kind`` of map, ``size``,
+        ``quantity`` with its unit, ``value``, and the exponent of the power law that was fitted with its 95% interval,
+        empty where none is.
     """
     jobs: list[tuple[str, str, int, list[str]]] = []
     for kind in ("chain", "rooms"):
@@ -69,6 +81,14 @@ def measure(map_path: Path, plan: Plan, say: Callable[[str], None] = lambda _: N
     jobs += [("library", "rooms", size, [str(size), str(plan.library_states)]) for size in plan.skills]
     jobs.append(("tasks", map_path.stem, plan.tasks, [str(map_path), str(plan.tasks)]))
     jobs.append(("large", "rooms", plan.large, [str(plan.large)]))
+    for kind in ("rooms", "maze"):
+        for size in plan.larger:
+            starts, goals, lives = (str(max(3, effort // size)) for effort in (plan.starts, plan.goals, plan.lives))
+            jobs += [
+                ("survey", kind, size, [kind, str(size), EVERY_STEP, starts]),
+                ("survey", kind, size, [kind, str(size), TREES, goals]),
+                ("life", kind, size, [kind, str(size), lives]),
+            ]
     rows = []
     for part, kind, size, arguments in jobs:
         say(f"{part} {kind} {size}")
@@ -98,6 +118,8 @@ def with_exponents(measured: pd.DataFrame, plan: Plan) -> pd.DataFrame:
         "diameter": plan.fit_states,
         "library": plan.fit_skills,
         "tasks": plan.fit_tasks,
+        "survey": plan.fit_larger,
+        "life": plan.fit_larger,
     }
     parts = []
     for (part, _, _), curve in measured.groupby(["part", "kind", "quantity"], sort=False):
@@ -123,3 +145,23 @@ def power_law(sizes: np.ndarray, values: np.ndarray, confidence: float = 0.95) -
         return float(fit.slope), np.nan, np.nan
     half = stats.t.ppf((1 + confidence) / 2, len(sizes) - 2) * fit.stderr
     return float(fit.slope), float(fit.slope - half), float(fit.slope + half)
+
+
+def size_at(curve: pd.DataFrame, value: float) -> tuple[float, bool]:
+    """Return the size at which a growing cost passes a value, and whether that lies within the measured sizes.
+
+    Between two measured sizes by a straight line on logarithms; outside by the power law with the curve's exponent
+    through the mean of the logarithms it was fitted to.
+
+    Parameters
+    ----------
+    curve : DataFrame
+        Rows of one quantity from `with_exponents`.
+    """
+    curve = curve.sort_values("size")
+    sizes, values = np.log(curve["size"].to_numpy(float)), np.log(curve["value"].to_numpy(float))
+    if values[0] <= np.log(value) <= values[-1]:
+        return float(np.exp(np.interp(np.log(value), values, sizes))), True
+    fitted = curve["size"].to_numpy() >= curve["fitted_from"].iloc[0]
+    ahead = (np.log(value) - values[fitted].mean()) / curve["exponent"].iloc[0]
+    return float(np.exp(sizes[fitted].mean() + ahead)), False

@@ -1,4 +1,4 @@
-"""Steps per CPU second of the kernel and of other learners, in one run on one task."""
+"""Steps per CPU second of the kernel, of other learners and of what bounds them, in one run on one task."""
 
 from __future__ import annotations
 
@@ -10,12 +10,16 @@ import numpy as np
 import pandas as pd
 
 from ptl.benchmark.contestants import (
-    Contestant,
+    BareWalk,
+    BareWalkByTwos,
     GymnasiumLoop,
     Kernel,
     KernelEveryStep,
+    Mdplib,
     NumbaLoop,
     PlainLoop,
+    RandomWords,
+    Timed,
 )
 from ptl.benchmark.task import Task
 
@@ -41,21 +45,34 @@ class Entry:
     workload : str
         ``whole`` task; ``sampled``, every twentieth episode from the Q that the kernel has there; or ``cold``,
         episodes with alpha = 0, so that Q stays zero and every episode follows the law of the first one.
+    limit : str
+        Label of the entry that bounds its speed, empty if none is given.
     """
 
     label: str
-    kind: type[Contestant]
+    kind: type[Timed]
     workload: str = "whole"
+    limit: str = ""
 
 
 BASE = "plain Python, one loop"
 """The entry whose rate is 1 in the column of ratios."""
 
+LIMITS = (
+    Entry("bare random walk, one step a look-up", BareWalk, "cold"),
+    Entry("bare random walk, two steps a look-up", BareWalkByTwos, "cold"),
+    Entry("random words of 64 bits", RandomWords),
+)
+"""What no learner of this kind can pass: look-ups that wait for each other, and random numbers."""
+
+ONE, TWO = LIMITS[0].label, LIMITS[1].label
+
 ENTRIES = (
-    Entry("kernel, every step simulated", KernelEveryStep),
-    Entry("kernel, with the shortcut", Kernel),
-    Entry("kernel, every step simulated, while Q is zero", KernelEveryStep, "cold"),
-    Entry("kernel, with the shortcut, while Q is zero", Kernel, "cold"),
+    Entry("kernel, every step simulated", KernelEveryStep, limit=ONE),
+    Entry("kernel, with the shortcut", Kernel, limit=TWO),
+    Entry("kernel, every step simulated, while Q is zero", KernelEveryStep, "cold", ONE),
+    Entry("kernel, with the shortcut, while Q is zero", Kernel, "cold", TWO),
+    Entry("mdplib (C++), while Q is zero", Mdplib, "cold"),
     Entry("Numba, one loop", NumbaLoop),
     Entry(BASE, PlainLoop),
     Entry("Gymnasium and numpy", GymnasiumLoop, "sampled"),
@@ -65,7 +82,7 @@ ENTRIES = (
 def measure(
     task: Task,
     rounds: int,
-    entries: Iterable[Entry] = ENTRIES,
+    entries: Iterable[Entry] = ENTRIES + LIMITS,
     episodes: int = EPISODES,
     least_seconds: float = LEAST_SECONDS,
     say: Callable[[str], None] = lambda _: None,
@@ -119,7 +136,7 @@ def _time(
 
 
 def summarise(measured: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
-    """Return rate and ratio to the base of every entry over the rounds.
+    """Return rate and ratio to the base of every learner over the rounds.
 
     Returns
     -------
@@ -127,22 +144,45 @@ def summarise(measured: pd.DataFrame, base: str = BASE) -> pd.DataFrame:
         Columns ``item``, ``quantity`` (``steps per CPU second``, ``ratio to plain Python``), ``value`` (median over
         the rounds), ``low``, ``high`` (least and greatest), ``repeats``. A ratio compares the same round.
     """
-    rate = (measured["steps"] / measured["seconds"]).rename("rate")
-    rates = measured.assign(rate=rate).pivot(index="round", columns="entry", values="rate")
-    rows = []
-    for label in measured["entry"].unique():
-        for quantity, values in (
-            ("steps per CPU second", rates[label]),
-            ("ratio to plain Python", rates[label] / rates[base]),
-        ):
-            rows.append(
-                {
-                    "item": label,
-                    "quantity": quantity,
-                    "value": values.median(),
-                    "low": values.min(),
-                    "high": values.max(),
-                    "repeats": len(values),
-                }
+    rates = _rates(measured)
+    learners = [label for label in rates if label not in {entry.label for entry in LIMITS}]
+    return pd.DataFrame(
+        [
+            row
+            for label in learners
+            for row in (
+                _over_rounds(label, "steps per CPU second", rates[label]),
+                _over_rounds(label, "ratio to plain Python", rates[label] / rates[base]),
             )
+        ]
+    )
+
+
+def summarise_limits(measured: pd.DataFrame) -> pd.DataFrame:
+    """Return the rates of the limits and the share of its limit that each kernel reaches; columns as `summarise`."""
+    rates = _rates(measured)
+    rows = [_over_rounds(entry.label, "per CPU second", rates[entry.label]) for entry in LIMITS]
+    rows += [
+        _over_rounds(entry.label, f"share of {entry.limit}", rates[entry.label] / rates[entry.limit])
+        for entry in ENTRIES
+        if entry.limit
+    ]
     return pd.DataFrame(rows)
+
+
+def _rates(measured: pd.DataFrame) -> pd.DataFrame:
+    """Return steps per CPU second, a row for each round and a column for each entry in the order of the rounds."""
+    rate = measured["steps"] / measured["seconds"]
+    rates = measured.assign(rate=rate).pivot(index="round", columns="entry", values="rate")
+    return rates[measured["entry"].unique()]
+
+
+def _over_rounds(label: str, quantity: str, values: pd.Series) -> dict[str, str | float]:
+    return {
+        "item": label,
+        "quantity": quantity,
+        "value": values.median(),
+        "low": values.min(),
+        "high": values.max(),
+        "repeats": len(values),
+    }

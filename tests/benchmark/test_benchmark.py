@@ -14,9 +14,20 @@ import pytest
 from click.testing import CliRunner
 from projects import MAPS, Project
 
-from ptl.benchmark import contestants, machine, pages, probes, run, scaling, speed, startup
-from ptl.benchmark.contestants import GymnasiumLoop, Kernel, KernelEveryStep, NumbaLoop, PlainLoop
+from ptl.benchmark import contestants, figure8, machine, pages, probes, run, scaling, speed, startup, surveys
+from ptl.benchmark.contestants import (
+    BareWalk,
+    BareWalkByTwos,
+    GymnasiumLoop,
+    Kernel,
+    KernelEveryStep,
+    Mdplib,
+    NumbaLoop,
+    PlainLoop,
+    RandomWords,
+)
 from ptl.benchmark.task import Task
+from ptl.config import Learning
 from ptl.errors import UserError
 from ptl.report.figures import scaling as figure
 from ptl.world.gridworld import GridWorld
@@ -46,10 +57,14 @@ def mean_first_episode(world: GridWorld, goal: int) -> float:
     return steps[list(others).index(world.start)]
 
 
-@pytest.mark.parametrize("kind", INSTALLED)
+WALKS = [BareWalk, BareWalkByTwos] if contestants.find_spec("numba") else []
+
+
+@pytest.mark.parametrize("kind", INSTALLED + WALKS)
 def test_first_episodes_have_the_length_of_a_random_walk(kind: type):
     expected, episodes = mean_first_episode(SMALL, SMALL.goals["A"]), 200 if kind is GymnasiumLoop else 2000
     steps = kind(small_task(alpha=0.0), 3).run(episodes)
+    expected += kind is BareWalkByTwos and 0.5  # half of all walks would reach the goal by the first of two steps
     # the length's standard deviation is about its mean; the seed is fixed, so this holds always or never
     assert steps / episodes == pytest.approx(expected, abs=4 * expected / episodes**0.5)
 
@@ -76,6 +91,28 @@ def test_a_given_q_is_the_beginning(kind: type):
     known[SMALL.goals["A"]] = 0
     task = small_task(alpha=0.0, epsilon=0.0)
     assert kind(task, 0, known).run(7) == 7 * SMALL.shortest_path_length(task.start, task.goal)
+
+
+@pytest.mark.skipif(not contestants.find_spec("mdp"), reason="needs mdplib")
+def test_mdplib_learns_the_values_of_the_task_that_goes_on(monkeypatch):
+    monkeypatch.setattr(Mdplib, "STEPS", 20_000)
+    task = small_task(alpha=0.5)
+    contestant = Mdplib(task, 1)
+    assert contestant.run(1) == 20_000
+    after = task.successors.copy()
+    after[task.goal] = task.start
+    optimum = np.zeros(SMALL.n_states)
+    for _ in range(1000):
+        optimum = ((after == task.goal) + task.gamma * optimum[after]).max(axis=1)
+    assert contestant.values == pytest.approx(optimum, abs=0.02)
+
+
+@pytest.mark.skipif(not contestants.find_spec("numba"), reason="needs numba")
+def test_random_words_are_those_of_the_generator(monkeypatch):
+    monkeypatch.setattr(RandomWords, "WORDS", 5)
+    words = RandomWords(small_task(), 3)
+    assert words.run(1) == 5
+    assert words._draw(*words._arguments, 2) == np.bitwise_xor.reduce(np.random.SFC64(3).random_raw(7)[5:])
 
 
 def test_missing_libraries_are_one_line(monkeypatch):
@@ -122,6 +159,62 @@ def test_a_ratio_compares_a_round_with_itself():
     assert summary.loc[("fast", "ratio to plain Python"), ["value", "low", "high"]].tolist() == [10, 10, 20]
     assert summary.loc[("fast", "steps per CPU second"), ["value", "low", "high"]].tolist() == [1000, 500, 2000]
     assert summary.loc[("base", "ratio to plain Python"), "repeats"] == 3
+
+
+def test_a_kernel_is_held_against_its_limit():
+    measured = pd.DataFrame(
+        [
+            {
+                "round": number,
+                "entry": entry.label,
+                "steps": 100 * (1 + (entry in speed.LIMITS)),
+                "seconds": 1.0 + number,
+            }
+            for number in range(2)
+            for entry in speed.ENTRIES + speed.LIMITS
+        ]
+    )
+    limits = speed.summarise_limits(measured).set_index(["item", "quantity"])
+    assert limits.loc[(speed.LIMITS[2].label, "per CPU second"), ["low", "high"]].tolist() == [100, 200]
+    shares = limits[limits.index.get_level_values("quantity").str.startswith("share of bare random walk")]
+    assert len(shares) == 4 and (shares["value"] == 0.5).all()
+    assert not set(speed.summarise(measured)["item"]) & {entry.label for entry in speed.LIMITS}
+
+
+# -- figure 8 by two methods ---------------------------------------------------------------------------------
+
+
+def test_batches_hold_every_pair_once_by_both_methods():
+    groups = [group for batch in range(3) for group in surveys.batch_of(SMALL, batch, 3)]
+    pairs = [(state, other) for state, others in groups for other in others.tolist()]
+    assert len(set(pairs)) == len(pairs) == SMALL.n_states * (SMALL.n_states - 1)
+    for method in surveys.METHODS:
+        taken = surveys.costs(SMALL, method, groups, 3, Learning())
+        assert taken.shape == (SMALL.n_states, 3) and (taken[:, 1:] > 0).all()
+        assert taken[:, 2].sum() == len(pairs)
+
+
+def test_a_survey_with_trees_takes_fewer_steps(env2: GridWorld):
+    groups = surveys.batch_of(env2, 0, 100)
+    every_step, trees = (surveys.costs(env2, method, groups, 5, Learning())[:, 1].sum() for method in surveys.METHODS)
+    assert trees < every_step / 2
+
+
+def test_the_survey_has_a_row_for_each_method(tmp_path):
+    path = tmp_path / "small.txt"
+    path.write_text(SMALL.text)
+    said: list[str] = []
+    measured = figure8.measure({"small": path}, 2, '{"learning": {"alpha": 0.1}}', batches=2, say=said.append)
+    assert len(said) == 4 and "survey, with trees: small, batch 2 of 2" in said
+    summary = figure8.summarise(measured)
+    assert summary["item"].unique().tolist() == ["survey, every step simulated", "survey, with trees"]
+    values = summary.set_index(["item", "quantity"])["value"]
+    for method in surveys.METHODS:
+        assert values[method].index.tolist() == [
+            f"{quantity}{ending}" for ending in ("", ", small") for quantity in ("core seconds", "steps", "pairs")
+        ]
+        assert values[method, "pairs"] == values[method, "pairs, small"] == SMALL.n_states * (SMALL.n_states - 1)
+        assert values[method, "core seconds"] > 0 and values[method, "steps"] > values[method, "pairs"]
 
 
 # -- start-up ------------------------------------------------------------------------------------------------
@@ -213,7 +306,7 @@ def test_exponents_are_fitted_to_large_sizes_only():
     assert frame.loc[frame["part"] == "large", "exponent"].isna().all()
 
 
-@pytest.mark.parametrize("kind", ["chain", "rooms"])
+@pytest.mark.parametrize("kind", ["chain", "rooms", "maze"])
 @pytest.mark.parametrize("states", [300, 3000, 30_000])
 def test_a_world_has_about_the_states_asked_for(kind: str, states: int):
     world = probes.world_of(kind, states)
@@ -239,7 +332,7 @@ def test_searches_are_counted_and_the_counter_is_taken_off(env2: GridWorld):
     assert transitions.breadth_first is search
 
 
-PLAN = scaling.Plan((100, 300), (100, 200), (1, 5), 4, 20, 100, 100, 1, 1)
+PLAN = scaling.Plan((100, 300), (100, 200), (1, 5), 4, 20, 100, (30, 60), 90, 180, 1, 100, 30, 1, 1)
 
 
 @pytest.fixture(scope="module")
@@ -256,7 +349,15 @@ def growth() -> pd.DataFrame:
 
 
 def test_every_part_of_the_growth_is_measured(growth: pd.DataFrame):
-    assert growth["part"].unique().tolist() == ["states", "diameter", "library", "tasks", "large"]
+    assert growth["part"].unique().tolist() == [
+        "states",
+        "diameter",
+        "library",
+        "tasks",
+        "large",
+        "survey",
+        "life",
+    ]
     assert growth.columns.tolist() == scaling.COLUMNS
     assert (growth["value"] >= 0).all()
     positive = growth[growth["quantity"].str.endswith(", s") & (growth["part"] != "large")]
@@ -276,12 +377,42 @@ def test_growth_is_drawn_and_written_down(growth: pd.DataFrame, tmp_path):
         "One step of learning",
         "Library",
         "One life of many tasks",
+        "Subgoals of all pairs on larger maps",
+        "A life of ten tasks on larger maps",
     ]
     assert all(axes.get_xscale() == axes.get_yscale() == "log" for axes in picture.axes)
     text = pages.scaling_markdown({"processor": "some chip"}, growth)
     assert "some chip" in text and "A map of 20 × 20 cells" in text
-    for quantity in growth.loc[growth["part"] != "large", "quantity"].unique():
+    for quantity in growth.loc[growth["part"].isin(pages.SIZES), "quantity"].unique():
         assert f"| {quantity} |" in text
+
+
+def test_larger_worlds_are_measured_by_both_methods(growth: pd.DataFrame):
+    survey = growth[growth["part"] == "survey"].set_index(["kind", "size", "quantity"])["value"].sort_index()
+    for kind in ("rooms", "maze"):
+        for size in survey[kind].index.unique("size"):
+            value = survey[kind, size]
+            assert value["survey, every step simulated, steps"] > value["survey, with trees, steps"]
+            assert value["survey, with trees, pairs timed, count"] == min(3 + 3 * (size < 45), size) * (size - 1)
+            assert value["survey, every step simulated, pairs timed, count"] == 5 * 3
+    life = growth[(growth["part"] == "life") & growth["quantity"].str.endswith(", s")]
+    assert len(life) == 4 and life["exponent"].notna().all()
+    text = pages.scaling_markdown({}, growth)
+    assert text.count("| extrapolated |") == 6
+    assert "| rooms, " in text and "| maze, " in text
+
+
+def test_the_size_of_ten_minutes_is_between_sizes_or_extrapolated():
+    rows = [
+        {"part": "life", "kind": "maze", "size": n, "quantity": "x, s", "value": n**2 / 1e4} for n in (300, 1000, 3000)
+    ]
+    curve = scaling.with_exponents(pd.DataFrame(rows), scaling.Plan())
+    size, within = scaling.size_at(curve, 400.0)
+    assert size == pytest.approx(2000) and within
+    size, within = scaling.size_at(curve, 1e4)
+    assert size == pytest.approx(10_000) and not within
+    size, within = scaling.size_at(curve, 1.0)
+    assert size == pytest.approx(100) and not within
 
 
 def test_a_probe_runs_in_a_process_of_its_own():
@@ -292,30 +423,52 @@ def test_a_probe_runs_in_a_process_of_its_own():
 # -- pages ---------------------------------------------------------------------------------------------------
 
 
-def summaries() -> tuple[pd.DataFrame, pd.DataFrame]:
-    rates = [{"round": 0, "entry": entry.label, "steps": 3_000_000, "seconds": 2.0} for entry in speed.ENTRIES]
+def summaries() -> dict[str, pd.DataFrame]:
+    rates = pd.DataFrame(
+        [
+            {"round": 0, "entry": entry.label, "steps": 3_000_000, "seconds": 2.0 - (entry in speed.LIMITS)}
+            for entry in speed.ENTRIES + speed.LIMITS
+        ]
+    )
+    batches = [
+        {"item": method, "map": name, "core seconds": seconds, "steps": 5e9 * seconds, "pairs": 600.0}
+        for method, seconds in zip(surveys.METHODS, (20.0, 2.0), strict=True)
+        for name in ("env8", "env9")
+    ]
     phases = dict.fromkeys(startup.PHASES, 0.01)
     jobs = [{"round": n, "method": "ptl", **phases, "all": 0.06 + 0.01 * n, "peak": 50.0} for n in range(3)]
-    return speed.summarise(pd.DataFrame(rates)), startup.summarise(pd.DataFrame(jobs))
+    return {
+        "speed": speed.summarise(rates),
+        "limit": speed.summarise_limits(rates),
+        "survey": figure8.summarise(pd.DataFrame(batches)),
+        "startup": startup.summarise(pd.DataFrame(jobs)),
+        "run": whole_run(),
+    }
 
 
 def test_the_page_says_what_was_measured():
-    text = pages.benchmark_markdown({"processor": "some chip"}, *summaries(), whole_run(), place="env9", letter="Z")
+    text = pages.benchmark_markdown({"processor": "some chip"}, **summaries(), place="env9", letter="Z")
     assert "Q-learning of env9, task Z," in text and "All tasks of env9," in text
     assert "| kernel, every step simulated | 1,500 | 1,500 to 1,500 | 1 | 1 to 1 |" in text
+    assert "| bare random walk, one step a look-up | 3 | 3 to 3 |" in text
+    assert "simulated: share of bare random walk, one step a look-up | 50% | 50% to 50% |" in text
+    assert "| all maps | 1,200 | 40 | 4 | 10 | 200 | 20 |" in text
+    assert "| env8 | 600 | 20 | 2 | 10 | 100 | 10 |" in text
     assert "| PTL | 10 | 10 | 10 | 10 | 10 | 10 | 0.07 | 0.06 to 0.08 | 50 |" in text
     assert "| learn | 2 | 10 | 5 | 47.62% |" in text
     assert "cores: 2; wall seconds: 10.5; CPU seconds: 12; wall seconds before the first job: 3." in text
+    assert run.NOTE in text
 
 
 def test_the_table_holds_all_numbers():
-    rates, jobs = summaries()
-    rules = whole_run()
-    table = pages.benchmark_csv({"processor": "some chip"}, rates, jobs, rules)
+    parts = summaries()
+    table = pages.benchmark_csv({"processor": "some chip"}, **parts)
     assert table.columns.tolist() == pages.CSV_COLUMNS
-    assert len(table) == 1 + len(rates) + len(jobs) + len(rules)
-    assert table["part"].unique().tolist() == ["machine", "speed", "start-up", "run"]
+    assert len(table) == 1 + sum(map(len, parts.values()))
+    assert table["part"].unique().tolist() == ["machine", *parts]
     assert table.loc[table["part"] != "machine", "value"].notna().all()
+    survey = table[table["item"].isin(["survey, every step simulated", "survey, with trees"])]
+    assert {"core seconds", "steps", "pairs"} <= set(survey["quantity"]) and len(survey) == 18
 
 
 @pytest.mark.parametrize(

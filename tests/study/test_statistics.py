@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from scipy import stats
 
 from ptl.errors import UserError
 from ptl.study import statistics
@@ -119,6 +120,14 @@ def test_where_bca_is_undefined_the_interval_is_still_finite():
     assert found.value == 5
     assert np.isfinite([found.low, found.high]).all()
     assert found.low <= 5 <= found.high
+
+
+@pytest.mark.parametrize("number", [1, 4, 7, 30, 101])
+def test_interquartile_mean_is_that_of_scipy_to_the_bit(number: int):
+    values = generator().exponential(size=(20, number)) ** 3
+    found = statistics._interquartile_mean(values)
+    assert found.tolist() == stats.trim_mean(values, statistics.TRIMMED_SHARE, axis=-1).tolist()
+    assert statistics._interquartile_mean(values.T, axis=0).tolist() == found.tolist()
 
 
 def test_interquartile_mean_leaves_out_a_quarter_at_either_end():

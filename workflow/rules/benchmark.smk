@@ -6,6 +6,7 @@
 rule compare_speed:
     input:
         map=config["environments"][ENVIRONMENTS[0]]["map"],
+        surveyed=[entry["map"] for entry in entries().values()],
     output:
         page="<reports>/benchmark.md",
         table="<reports>/benchmark.csv",
@@ -18,11 +19,14 @@ rule compare_speed:
         task=config["environments"][ENVIRONMENTS[0]]["tasks"][-1],
         config=OWN_CONFIG,
         code=code_digest(
-            "ptl.benchmark.pages", "ptl.benchmark.numba_loop", "ptl.benchmark.run"
+            "ptl.benchmark.pages",
+            "ptl.benchmark.numba_loop",
+            "ptl.benchmark.figure8",
+            "ptl.benchmark.probes",
         ),
         methods_code=method_modules(METHODS),
     message:
-        "Timing the kernel beside other learners, learning jobs and a whole run"
+        "Timing the kernel beside other learners, figure 8 by two methods, learning jobs and a whole run"
     script:
         "../scripts/compare_speed.py"
 

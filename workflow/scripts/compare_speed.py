@@ -1,9 +1,10 @@
-"""Compare the kernel with other learners, and measure a learning job and a whole run phase by phase."""
+"""Compare the kernel with other learners and figure 8 by two methods; take a learning job and a whole run apart."""
 
+import json
 import sys
 from pathlib import Path
 
-from ptl.benchmark import machine, pages, run, speed, startup
+from ptl.benchmark import figure8, machine, pages, run, speed, startup
 from ptl.benchmark.contestants import check_installed
 from ptl.benchmark.task import Task
 from ptl.files.atomic import write_text
@@ -21,11 +22,19 @@ with running(snakemake) as job:
     check_installed()
     computer = machine.describe()
     path, letter, config = Path(job.input.map), snakemake.params.task, snakemake.params.config
-    rates = speed.summarise(speed.measure(Task(load_map(path), letter), rounds=15, say=say))
+    measured = speed.measure(Task(load_map(path), letter), rounds=11, say=say)
+    maps = {name: Path(entry["map"]) for name, entry in config["environments"].items()}
+    trajectories = config["subgoal_frequencies"]["trajectories"]
+    surveys = figure8.measure(maps, trajectories, json.dumps({"learning": config["learning"]}), say=say)
     say("learning jobs")
-    phases = startup.summarise(startup.measure(path, config["methods"], repeats=5))
+    phases = startup.measure(path, config["methods"], repeats=5)
     say("a whole run")
-    rules = run.summarise(run.measure(Path.cwd(), config))
-    page = pages.benchmark_markdown(computer, rates, phases, rules, place=path.stem, letter=letter)
-    write_text(Path(job.output.page), page)
-    write_csv(pages.benchmark_csv(computer, rates, phases, rules), Path(job.output.table))
+    parts = {
+        "speed": speed.summarise(measured),
+        "limit": speed.summarise_limits(measured),
+        "survey": figure8.summarise(surveys),
+        "startup": startup.summarise(phases),
+        "run": run.summarise(run.measure(Path.cwd(), config)),
+    }
+    write_text(Path(job.output.page), pages.benchmark_markdown(computer, **parts, place=path.stem, letter=letter))
+    write_csv(pages.benchmark_csv(computer, **parts), Path(job.output.table))

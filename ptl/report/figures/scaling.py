@@ -1,4 +1,4 @@
-"""Growth of cost with the states of a map, the skills of a library and the tasks of a life."""
+"""Growth of cost with the states of a map, the skills of a library and the tasks of a life, and on larger worlds."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-KINDS = {"chain": ("o", "-"), "rooms": ("s", "--"), "ring": ("^", ":")}
+KINDS = {"chain": ("o", "-"), "rooms": ("s", "--"), "maze": ("D", "-."), "ring": ("^", ":")}
 """Marker and line of each kind of map."""
 
 WORK = {
@@ -31,13 +31,20 @@ LIBRARY = {
     "likelihood after an episode, s": "likelihood, an episode",
     "discovery and library update, s": "discovery and update",
 }
+SURVEY = {
+    "survey, every step simulated, s": "every step simulated",
+    "survey, with trees, s": "with trees",
+}
+LIFE = {"life of ten tasks, s": "CPU seconds", "life of ten tasks, memory, MiB": "memory, MiB"}
+
+TEN_MINUTES = 600
 
 
 @style.styled
 def draw(frame: pd.DataFrame) -> Figure:
-    """Draw four panels from the table of `ptl.benchmark.scaling.measure`, all axes logarithmic."""
-    figure = style.new_figure(style.SLIDE_WIDTH, 10.6)
-    work, step, library, tasks = figure.subplots(2, 2).flat
+    """Draw six panels from the table of `ptl.benchmark.scaling.measure`, all axes logarithmic."""
+    figure = style.new_figure(style.SLIDE_WIDTH, 15.9)
+    work, step, library, tasks, survey, life = figure.subplots(3, 2).flat
     _curves(work, frame[frame["part"] == "states"], WORK)
     _dress(work, "Work around the episodes", "states of the map", "CPU seconds")
     _curves(step, frame[frame["part"] == "states"], STEP, scale=1e9)
@@ -46,6 +53,11 @@ def draw(frame: pd.DataFrame) -> Figure:
     _curves(library, frame[frame["part"] == "library"], LIBRARY, kinds_in_legend=False)
     _dress(library, "Library", "skills in the library", "CPU seconds")
     _tasks(tasks, frame[frame["part"] == "tasks"])
+    _curves(survey, frame[frame["part"] == "survey"], SURVEY)
+    _mark_ten_minutes(survey)
+    _dress(survey, "Subgoals of all pairs on larger maps", "states of the map", "CPU seconds, scaled from a sample")
+    _curves(life, frame[frame["part"] == "life"], LIFE)
+    _dress(life, "A life of ten tasks on larger maps", "states of the map", "value, unit in the legend")
     return figure
 
 
@@ -63,6 +75,19 @@ def _curves(
         for kind in part["kind"].unique():
             marker, line = KINDS[str(kind)]
             axes.plot([], [], marker=marker, linestyle=line, color=style.MUTED, label=f"{kind}")
+
+
+def _mark_ten_minutes(axes: Axes) -> None:
+    axes.axhline(TEN_MINUTES, color=style.MUTED, linewidth=1)
+    axes.annotate(
+        "ten minutes",
+        (0, TEN_MINUTES),
+        (6, 5),
+        ("axes fraction", "data"),
+        "offset points",
+        color=style.MUTED,
+        fontsize=13,
+    )
 
 
 def _tasks(axes: Axes, part: pd.DataFrame) -> None:
