@@ -127,7 +127,7 @@ def test_it_is_silent_on_the_article(study: Study) -> None:
     assert not [name for name in names if re.match(r"claims|differences|policy_reuse|misleading|figure\d", name)]
     for name, text in study.shown():
         if name not in {"explorer.html", "report.html"}:
-            assert not re.search(r"\barticle\b|Fern[aá]ndez|figure ?\d\d", text, re.IGNORECASE), name
+            assert not re.search(r"\barticle\b|reproduction|Fern[aá]ndez|figure ?\d\d", text, re.IGNORECASE), name
     report = (study.folder / "reports/own_maps/report.html").read_text(encoding="utf-8")
     assert "Partial transfer learning study" in report and "a reproduction" not in report
     assert "Verdicts" not in report and "Figure 1" not in report
