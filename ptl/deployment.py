@@ -302,7 +302,9 @@ def _method_files(references: Iterable[str]) -> dict[Path, Path]:
             else:  # of an installed package
                 continue
             if kept.setdefault(place, path) != path:
-                raise UserError(f"method {reference}: {kept[place]} and {path} would both be {place}; rename one of them")
+                raise UserError(
+                    f"method {reference}: {kept[place]} and {path} would both be {place}; rename one of them"
+                )
     return kept
 
 

@@ -12,7 +12,6 @@ import click
 import ptl
 from ptl.errors import UserError
 
-
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
 """What people call, in the order of the help."""
 

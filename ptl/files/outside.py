@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import hashlib
 import os
-import sys
 import sysconfig
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -15,7 +14,7 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import PACKAGE, code_digest, imports_of
+from ptl.files.provenance import code_digest, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
 

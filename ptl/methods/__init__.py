@@ -6,9 +6,10 @@ A method is named by a reference:
 ``methods/my_agent.py``        a file anywhere,
 ``my_package.agents:MyAgent``  a class that Python can import,
 
-or, in Python, by the class itself or a function that makes an instance. A file defines a class ``Method``. What it
-imports is also looked for in its own folder, and what any reference names, in the current folder. The identifier in files, tables and random streams is the file's name without ``.py``; a class with another name and a
-function say it in an attribute ``name``.
+or, in Python, by the class itself or a function that makes an instance. A file defines a class ``Method``, and
+Python looks for what it imports in its folder too, and in the current one as for a class. The identifier in files,
+tables and random streams is the file's name without ``.py``; a class with another name and a function say it in an
+attribute ``name``.
 """
 
 from __future__ import annotations

@@ -111,7 +111,11 @@ def test_what_a_file_imports_from_its_folder_counts_as_its_source(folder: Path) 
     (place / "helped.py").write_text(HELPED.replace("{helper}", "close_helper"))
     (place / "close_helper.py").write_text("from tools_of_mine.chances import CHANCE\n")
     (place / "tools_of_mine").mkdir()
-    for name, text in {"__init__": "", "chances": "from . import deep\nCHANCE = 0.5\n", "deep": "import h5py\n"}.items():
+    for name, text in {
+        "__init__": "",
+        "chances": "from . import deep\nCHANCE = 0.5\n",
+        "deep": "import h5py\n",
+    }.items():
         (place / "tools_of_mine" / f"{name}.py").write_text(text)
     (place / "bystander.py").write_text("")
     reference = "somewhere/helped.py"

@@ -31,8 +31,10 @@ class Method(NoTransfer):
         learner.explore(epsilon=rates.EPSILON)
         return []
 """
-WALKER = HASTY.replace("import rates", "from . import rates").replace("class Method", "class Walker").replace(
-    'label = "Hasty"', 'label, name = "Walker", "walker"'
+WALKER = (
+    HASTY.replace("import rates", "from . import rates")
+    .replace("class Method", "class Walker")
+    .replace('label = "Hasty"', 'label, name = "Walker", "walker"')
 )
 HALL = "######\n#I...#\n#.#..#\n#A.#B#\n#C..##\n######\n"
 
@@ -81,8 +83,8 @@ def new_study(folder: Path, package: Path) -> Study:
     study = Study(folder / "own maps", package)
     done = study.run(
         "ptl", "new-study", "own maps", "--map", "rooms.txt", "--map", "Long hall.txt", "--tasks", "long_hall=CAB",
-        "--seeds", "2", "--episodes", "20", "--method", "no_transfer", "--method", "mine/hasty.py", "--method", "agents.walker:Walker",
-        "--method", "ptl",
+        "--seeds", "2", "--episodes", "20", "--method", "no_transfer", "--method", "mine/hasty.py",
+        "--method", "agents.walker:Walker", "--method", "ptl",
         where=folder,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
