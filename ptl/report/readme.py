@@ -40,8 +40,8 @@ def result(published: Path) -> str:
     sentence = (
         f"**Result.** On task {TASK}, the last and hardest, PTL saves {first}, {second} and {third} of the steps that"
         f" learning from nothing takes (mean of {runs} runs). Of the article's {counts.sum()} claims, judged on"
-        f" [many more runs](#results): {verdicts}. Two maps and a width of the method were [chosen because they fit these"
-        " claims](docs/reconstruction.md#choices-made-because-they-fit)."
+        f" [many more runs](#results): {verdicts}. Two maps and a width of the method were [chosen because they fit"
+        " these claims](docs/reconstruction.md#choices-made-because-they-fit)."
     )
     others = f"{mean('env1', 'asymptotic', 'no_transfer')} and {mean('env1', 'asymptotic', 'full_transfer')}"
     reached = percent(round(found.loc["env1", "ptl", "threshold_episode"]["reached"], 2))
