@@ -111,18 +111,18 @@ def local_sources(reference: str) -> tuple[Path, list[Path]]:
         If a file cannot be parsed.
     """
     first = methods.source_file(reference).resolve()
-    levels, top = 0, ""
+    levels, module = 0, ""
     if not reference.endswith(".py"):
         module = methods.load(reference).__module__
         levels = module.count(".") + (first.name == "__init__.py")
-        top = module.split(".")[0]
     root = first.parents[levels]
     installed = root in {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
-    found, waiting = {first}, [first]
+    found = {first, *(_files_of(module, root) if module else ())}
+    waiting = [*found]
     while waiting:
         for name in _imports(waiting.pop(), root, reference):
             package, _, _ = name.partition(".")
-            if package == top or not (installed or package == "ptl"):
+            if package == module.partition(".")[0] or not (installed or package == "ptl"):
                 new = set(_files_of(name, root)) - found
                 found |= new
                 waiting += new

@@ -141,6 +141,8 @@ def test_what_an_import_path_imports_from_its_package_counts_as_its_source(folde
     reference = "agents_of_mine.agent:Method"
     check_method(reference)
     assert [path.name for path in local_sources(reference)[1]] == ["__init__.py", "agent.py", "numbers.py"]
+    (place / "alone.py").write_text(MINE)
+    assert [path.name for path in local_sources("agents_of_mine.alone:Method")[1]] == ["__init__.py", "alone.py"]
     before = learning_code(reference)
     (place / "numbers.py").write_text("CHANCE = 0.6\n")
     assert learning_code(reference) != before
