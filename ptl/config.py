@@ -301,7 +301,7 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     @property
     def article(self) -> bool:
         """Whether the run learns maps of the article, so that its claims, numbers and experiments are about the run."""
-        return any(environment.article_items.to_dict() for environment in self.environments.values())
+        return of_article(self.environments)
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -321,6 +321,11 @@ class Configuration(Parameters, frozen=True, kw_only=True):
                 "growth.environment", self.growth.environment, f"one of {', '.join(self.environments)}"
             )
         _check_article_items(self.environments)
+
+
+def of_article(environments: Mapping[str, Environment]) -> bool:
+    """Return whether a map of the article is among the environments."""
+    return any(environment.article_items.to_dict() for environment in environments.values())
 
 
 def _check_article_items(environments: Mapping[str, Environment]) -> None:

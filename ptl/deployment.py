@@ -15,6 +15,7 @@ from ptl.config import Configuration, check_tasks
 from ptl.errors import UserError
 from ptl.files.atomic import write_text
 from ptl.files.configuration import read_yaml
+from ptl.files.outside import local_sources
 from ptl.keys import repeated
 from ptl.learning.method_check import check_method
 from ptl.methods import beyond
@@ -137,7 +138,8 @@ def new_study(
         By default all goals of a map in alphabetical order.
     seeds, episodes : int, optional
     chosen : sequence of str
-        Methods as `ptl.methods` names them; files are copied into the folder. By default all built-in methods.
+        Methods as `ptl.methods` names them. Files, and modules of the current folder, are copied into the study with
+        what they import from there. By default all built-in methods.
 
     Raises
     ------
@@ -167,10 +169,11 @@ def new_study(
     if max(world.n_states for world in worlds.values()) > SURVEYED_WHOLE:
         config["subgoal_frequencies"] = {"starts": 20}
     Configuration.from_dict(config)
+    sources = _method_files(references.values())
 
     for name, path in places.items():
         _copy(path, folder / "maps" / f"{name}.txt")
-    _write(folder, config, references.values(), SNAKEFILE_OF_A_STUDY, README.format(run=run))
+    _write(folder, config, sources, SNAKEFILE_OF_A_STUDY, README.format(run=run))
     return config
 
 
@@ -223,11 +226,12 @@ def new_population_study(
         raise UserError(f"--lives: two files are called {Path(twice[0]).name}; rename one of them")
     checked = {"methods": list(chosen), "foreign_lives": [str(path) for path in lives]}
     foreign_lives(Population.read({**config, **checked, "population": str(POPULATION_TABLE)}))
+    sources = _method_files(references.values())
 
     for path in lives:
         _copy(path, folder / "lives" / path.name)
     _copy(POPULATION_TABLE, folder / POPULATION)
-    _write(folder, config, chosen, SNAKEFILE_OF_A_POPULATION, README_OF_A_POPULATION.format(**config))
+    _write(folder, config, sources, SNAKEFILE_OF_A_POPULATION, README_OF_A_POPULATION.format(**config))
     return config
 
 
@@ -240,11 +244,10 @@ def _run_name(folder: Path) -> str:
     return re.sub(r"[^A-Za-z0-9_-]", "_", folder.resolve().name).lstrip("_-") or "study"
 
 
-def _write(folder: Path, config: Mapping[str, Any], references: Iterable[str], snakefile: str, readme: str) -> None:
+def _write(folder: Path, config: Mapping[str, Any], sources: Mapping[Path, Path], snakefile: str, readme: str) -> None:
     """Write what every study has: its methods' files, the profile, Snakefile, configuration and README."""
-    for reference in references:
-        if _kept(reference) != reference:
-            _copy(Path(reference), folder / _kept(reference))
+    for place, path in sources.items():
+        _copy(path, folder / place)
     for path in PROFILE.iterdir():
         _copy(path, folder / "profiles/default" / path.name)
     write_text(folder / "Snakefile", snakefile)
@@ -258,12 +261,16 @@ def _environments(maps: Sequence[Path]) -> dict[str, Path]:
     """Return the maps by the name of their environment: the file's stem in the letters that names may have."""
     places: dict[str, Path] = {}
     for path in maps:
-        name = re.sub(r"[^a-z0-9_]", "_", path.stem.lower())
-        name = name if re.match("[a-z]", name) else f"map_{name}"
+        name = _environment(path.stem)
         if name in places:
             raise UserError(f"maps {places[name]} and {path} are both called {name}; rename one of the files")
         places[name] = path
     return places
+
+
+def _environment(stem: str) -> str:
+    name = re.sub(r"[^a-z0-9_]", "_", stem.lower())
+    return name if re.match("[a-z]", name) else f"map_{name}"
 
 
 def _orders(tasks: Sequence[str], worlds: Mapping[str, GridWorld]) -> dict[str, str]:
@@ -271,12 +278,34 @@ def _orders(tasks: Sequence[str], worlds: Mapping[str, GridWorld]) -> dict[str, 
     orders = {name: "".join(world.goals) for name, world in worlds.items()}
     for given in sorted(tasks, key=lambda given: "=" in given):  # one for every map first
         name, equals, letters = given.rpartition("=")
-        if equals and name not in orders:
+        if equals and _environment(name) not in orders:
             raise UserError(f"--tasks {given}: no map is called {name!r}; known are {', '.join(orders)}")
-        orders |= dict.fromkeys([name] if equals else orders, letters)
+        orders |= dict.fromkeys([_environment(name)] if equals else orders, letters)
     for name, letters in orders.items():
         check_tasks(letters, worlds[name].goals, f"environments.{name}.tasks")
     return orders
+
+
+def _method_files(references: Iterable[str]) -> dict[Path, Path]:
+    """Return the files of methods that a study keeps, by their place in its folder."""
+    here = Path.cwd()
+    kept: dict[Path, Path] = {}
+    for reference in references:
+        if reference in methods.names() or reference.startswith("ptl."):
+            continue
+        root, paths = local_sources(reference)
+        for path in paths:
+            if reference.endswith(".py") and path.is_relative_to(root):
+                place = "methods" / path.relative_to(root)
+            elif path.is_relative_to(here):
+                place = path.relative_to(here)
+            else:  # of an installed package
+                continue
+            if kept.setdefault(place, path) != path:
+                raise UserError(
+                    f"method {reference}: {kept[place]} and {path} would both be {place}; rename one of them"
+                )
+    return kept
 
 
 def _kept(reference: str) -> str:

@@ -189,9 +189,9 @@ def _built(kind: Any, value: Any) -> Any:
 
 def _checked(kind: Any, value: Any) -> Any:
     """Return a value as its type has it (1 as 1.0 for a number), or refuse it."""
+    if is_group(kind) and not isinstance(value, kind):
+        raise ConfigurationError.of_value("", value, f"{kind.__name__}(...), or dictionaries to from_dict")
     try:
-        if is_group(kind) and not isinstance(value, kind):
-            raise ValueError
         if isinstance(value, float) and not math.isfinite(value):
             raise ValueError
         return msgspec.convert(value, kind)

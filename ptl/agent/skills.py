@@ -25,7 +25,7 @@ class Skill:
     """
 
     subgoal: int
-    policy: np.ndarray
+    policy: np.ndarray = field(repr=False)
     learned_after: int
 
 
@@ -37,7 +37,7 @@ class Update:
     reason: str
 
 
-@dataclass
+@dataclass(repr=False)
 class SkillLibrary:
     """The growing collection of skills.
 
@@ -58,6 +58,9 @@ class SkillLibrary:
 
     def __len__(self) -> int:
         return len(self.skills)
+
+    def __repr__(self) -> str:
+        return f"<SkillLibrary: {len(self)} skills, subgoals {self.subgoals}>"
 
     @property
     def subgoals(self) -> list[int]:

@@ -8,14 +8,14 @@ and of the elimination are our choice.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from ptl.world.transitions import TransitionGraph, checked_states
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class FDMetric:
     """Frequency and distance of every state over T paths; all arrays float (n_states,)."""
 
@@ -82,11 +82,11 @@ class Discovery:
         The loop-erased paths, from the task's start to its goal.
     """
 
-    original: FDMetric
-    incremental: FDMetric
+    original: FDMetric = field(repr=False)
+    incremental: FDMetric = field(repr=False)
     novelty: float
     diameter: int
-    paths: Sequence[np.ndarray] = ()
+    paths: Sequence[np.ndarray] = field(default=(), repr=False)
 
     @property
     def start(self) -> int:

@@ -12,6 +12,12 @@ import click
 import ptl
 from ptl.errors import UserError
 
+COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
+"""What people call, in the order of the help."""
+
+UPKEEP = ("config-docs", "population", "readme")
+"""What keeps the files of this package up to date."""
+
 
 class _Commands(click.Group):
     """Loads only the subcommand that is called, so that a job pays for no other's imports."""
@@ -25,6 +31,24 @@ class _Commands(click.Group):
             return None
         return import_module(f"ptl.cli.{name.replace('-', '_')}").command
 
+    def format_commands(self, context: click.Context, formatter: click.HelpFormatter) -> None:
+        jobs = [name for name in self.list_commands(context) if name not in (*COMMANDS, *UPKEEP)]
+        for title, names in (("Commands", COMMANDS), ("Jobs of the workflow", jobs), ("Upkeep of the package", UPKEEP)):
+            with formatter.section(title):
+                formatter.write_dl([(name, self._summary(context, name)) for name in names])
+
+    def _summary(self, context: click.Context, name: str) -> str:
+        command = self.get_command(context, name)
+        assert command is not None
+        return command.get_short_help_str(limit=200)
+
+    def invoke(self, context: click.Context) -> object:
+        try:
+            return super().invoke(context)
+        except click.UsageError as error:
+            path = error.ctx.command_path if error.ctx else "ptl"
+            raise UserError(f"{path}: {error.format_message().rstrip('.')} (see '{path} --help')") from error
+
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(ptl.__version__, prog_name="ptl")
@@ -35,7 +59,7 @@ def commands() -> None:
 def main() -> None:
     """Run the command line; exit status 0 on success, 1 with one line on stderr on an error that the user can mend."""
     try:
-        commands()
+        commands(prog_name="ptl")
     except UserError as error:
         sys.exit(f"error: {error}")
     finally:

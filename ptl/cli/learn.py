@@ -55,4 +55,7 @@ def command(
         "parameters": chosen.to_dict() | record(method, kind),
         "code": learning_code(method),
     }
-    write_learning(output or f"{environment}_{name}_{seed}.h5", life, world, origin)
+    path = output or f"{environment}_{name}_{seed}.h5"
+    write_learning(path, life, world, origin)
+    if output is None:
+        click.echo(f"{path}: written; 'ptl inspect {path}' shows it")

@@ -22,7 +22,14 @@ PATIENCE = 600.0
 """Seconds to wait for the jobs of a killed run to end."""
 
 
-@click.command(context_settings={"ignore_unknown_options": True, "help_option_names": []})
+class _PassedOn(click.Command):
+    """Takes its arguments as they are; click would keep the first ``--`` to itself."""
+
+    def parse_args(self, context: click.Context, arguments: list[str]) -> list[str]:
+        return super().parse_args(context, ["--", *arguments])
+
+
+@click.command(cls=_PassedOn, context_settings={"help_option_names": []})
 @click.argument("arguments", nargs=-1, type=click.UNPROCESSED)
 def command(arguments: tuple[str, ...]) -> None:
     """Run snakemake with ARGUMENTS in this folder; continue where a killed run stopped.

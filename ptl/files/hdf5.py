@@ -130,7 +130,9 @@ def read_file(path: str | os.PathLike[str], *kinds: str) -> Node:
         question than the one asked now (`ptl.files.question`); the line ends with the command that makes it again.
     """
     try:
-        root = content_of(_unsealed(regular.read_bytes(path, regular.MOST_BYTES)), *kinds)
+        content = regular.read_bytes(path, regular.MOST_BYTES)
+        _refuse_other_files(path, content)
+        root = content_of(_unsealed(content), *kinds)
     except regular.NotReadable as error:
         if error.missing:
             raise UserError(f"{path}: no such file; {make(path)}") from error
@@ -139,6 +141,15 @@ def read_file(path: str | os.PathLike[str], *kinds: str) -> Node:
         raise UserError(f"{path}: {error}; {make_again(path)}") from error
     check_answer(Path(path), root)
     return root
+
+
+def _refuse_other_files(path: str | os.PathLike[str], content: bytes) -> None:
+    """Refuse what is no HDF5 file and is not called one: it is not damaged, so no advice to remove it fits."""
+    if content and not content.startswith(SIGNATURE) and Path(path).suffix != ".h5":
+        import mimetypes  # every job pays for what is imported above
+
+        kind = mimetypes.guess_type(path)[0] or "of another kind"
+        raise UserError(f"{path}: is {kind}, no result file; name a file that ends in .h5")
 
 
 def _unsealed(content: bytes) -> bytes:

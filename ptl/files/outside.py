@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import hashlib
-import sys
-from collections.abc import Mapping
+import os
+import sysconfig
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,7 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import PACKAGE, code_digest, imports_of
+from ptl.files.provenance import code_digest, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
 
@@ -75,7 +77,7 @@ def record(reference: str, kind: type[BaseMethod]) -> dict[str, Any]:
 def learning_code(reference: str, *modules: str) -> str:
     """Return a digest of the sources that a life under a method depends on.
 
-    Of a method from elsewhere these are the file that defines it and what that file imports from this package.
+    Of a method from elsewhere these are its `local_sources` and what they import from this package.
 
     Parameters
     ----------
@@ -85,13 +87,68 @@ def learning_code(reference: str, *modules: str) -> str:
     modules = ("ptl.learning.life", *modules)
     if reference in methods.names():
         return code_digest(*modules, f"ptl.methods.{reference}")
-    if reference.endswith(".py"):
-        path = Path(reference)
-    else:
-        module = sys.modules[methods.load(reference).__module__]
-        path = Path(str(module.__file__))
-        if path.is_relative_to(PACKAGE):
-            return code_digest(*modules, module.__name__)
-    source = path.read_bytes()
-    shared = code_digest(*modules, *sorted(imports_of(source.decode("utf-8"))))
-    return hashlib.sha256(source + shared.encode()).hexdigest()[:16]
+    if not reference.endswith(".py") and (module := methods.load(reference).__module__).split(".")[0] == "ptl":
+        return code_digest(*modules, module)
+    digest = hashlib.sha256()
+    shared = set(modules)
+    root, paths = local_sources(reference)
+    for path in paths:
+        source = path.read_bytes()
+        digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
+        shared |= imports_of(source.decode("utf-8", "replace"))
+    digest.update(code_digest(*sorted(shared)).encode())
+    return digest.hexdigest()[:16]
+
+
+def local_sources(reference: str) -> tuple[Path, list[Path]]:
+    """Return the folder of a method from elsewhere, and its file with all that it imports from there.
+
+    The current folder counts as well, and of a method that is installed, its package only. A file is read and not run.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be parsed.
+    """
+    first = methods.source_file(reference).resolve()
+    levels, module = 0, ""
+    if not reference.endswith(".py"):
+        module = methods.load(reference).__module__
+        levels = module.count(".") + (first.name == "__init__.py")
+    root = first.parents[levels]
+    installed = root in {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
+    found = {first, *(_files_of(module, root) if module else ())}
+    waiting = [*found]
+    while waiting:
+        for name in _imports(waiting.pop(), root, reference):
+            package, _, _ = name.partition(".")
+            if package == module.partition(".")[0] or not (installed or package == "ptl"):
+                new = set(_files_of(name, root)) - found
+                found |= new
+                waiting += new
+    return root, sorted(found)
+
+
+def _imports(path: Path, root: Path, reference: str) -> Iterator[str]:
+    """Yield the full names of what a file imports; whether a last part is a module or in one is not known here."""
+    try:
+        tree = ast.parse(path.read_bytes(), path)
+    except (SyntaxError, ValueError) as error:
+        raise methods.fault(error, reference) from error
+    package = Path(os.path.relpath(path.parent, root)).parts
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) + 1 - node.level] if node.level else ()
+            within = ".".join([*above, *([node.module] if node.module else [])])
+            yield from (f"{within}.{alias.name}" for alias in node.names)
+
+
+def _files_of(name: str, root: Path) -> Iterator[Path]:
+    """Yield the files that an import of a module reads, the packages around it included."""
+    parts = name.split(".")
+    for folder in (root, Path.cwd()):
+        for last in range(1, len(parts) + 1):
+            place = folder.joinpath(*parts[:last])
+            yield from (file for file in (place.with_suffix(".py"), place / "__init__.py") if file.is_file())

@@ -50,7 +50,7 @@ def _config_of(path: str | os.PathLike[str]) -> Path | None:
     place, *names = _inside(path).parts or ("",)
     if place not in {"results", "reports"} or len(names) < 2:
         return None
-    for config in sorted(Path("config").glob("*.yaml")):
+    for config in (*sorted(Path("config").glob("*.yaml")), *sorted(Path().glob("*.yaml"))):
         with suppress(NotReadable):
             text = read_bytes(config, MOST_BYTES).decode("utf-8", "replace")
             named = re.search(r"^run:[ \t]*[\"']?([\w-]+)", text, flags=re.M)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -54,22 +54,25 @@ class TaskRecord:
     """
 
     task: Task
-    q: np.ndarray
-    seen: np.ndarray
-    steps: np.ndarray
-    truncated: np.ndarray
-    selected: list[list[int]]
+    q: np.ndarray = field(repr=False)
+    seen: np.ndarray = field(repr=False)
+    steps: np.ndarray = field(repr=False)
+    truncated: np.ndarray = field(repr=False)
+    selected: list[list[int]] = field(repr=False)
     discovery: Discovery
     update: Update
     library_size: int
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Life:
     """The records of all tasks in order, and the library at the end (None if the method keeps none)."""
 
     records: list[TaskRecord]
     library: SkillLibrary | None
+
+    def __repr__(self) -> str:
+        return f"<Life: tasks {', '.join(record.task.name for record in self.records)}; library {self.library!r}>"
 
 
 def tasks_of(world: GridWorld, letters: str) -> list[Task]:

@@ -6,9 +6,10 @@ A method is named by a reference:
 ``methods/my_agent.py``        a file anywhere,
 ``my_package.agents:MyAgent``  a class that Python can import,
 
-or, in Python, by the class itself or a function that makes an instance. A file defines a class ``Method``. The
-identifier in files, tables and random streams is the file's name without ``.py``; a class with another name and a
-function say it in an attribute ``name``.
+or, in Python, by the class itself or a function that makes an instance. A file defines a class ``Method``, and
+Python looks for what it imports in its folder too, and in the current one as for a class. The identifier in files,
+tables and random streams is the file's name without ``.py``; a class with another name and a function say it in an
+attribute ``name``.
 """
 
 from __future__ import annotations
@@ -52,9 +53,11 @@ def load(reference: str) -> type[BaseMethod]:
     if reference.endswith(".py"):
         if not Path(reference).is_file():
             raise UserError(f"method {reference}: no such file; check the path")
+        _look_in(Path.cwd(), Path(reference).resolve().parent)
         module, attribute = _imported(reference, lambda: _module_from_file(Path(reference))), "Method"
     elif ":" in reference:
         place, attribute = reference.rsplit(":", 1)
+        _look_in(Path.cwd())
         module = _imported(reference, lambda: import_module(place))
     elif reference in names():
         module, attribute = import_module(f"ptl.methods.{reference}"), "Method"
@@ -136,6 +139,11 @@ def fault(error: Exception, method: str | Maker) -> UserError:
 def shown(method: str | Maker) -> str:
     """Return how messages name a method."""
     return method if isinstance(method, str) else getattr(method, "__qualname__", repr(method))
+
+
+def _look_in(*folders: Path) -> None:
+    """Let Python look for modules in these folders, after all others."""
+    sys.path.extend(str(folder) for folder in folders if str(folder) not in sys.path)
 
 
 def _imported(reference: str, load_module: Callable[[], ModuleType]) -> ModuleType:

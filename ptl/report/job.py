@@ -99,7 +99,6 @@ def running(snakemake: Any) -> Iterator[Job]:
     Result files that the block reads must answer the question in the parameter ``asked``. When the block has ended, a
     record of the job is kept for the run's manifest.
     """
-    sys.path.append(str(Path.cwd()))  # for methods that lie in the study's folder
     with Path(snakemake.log[0]).open("w", encoding="utf-8") as log:
         os.dup2(log.fileno(), sys.stderr.fileno())
     try:

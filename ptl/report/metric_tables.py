@@ -95,6 +95,7 @@ def build_tables(
     statistics: Any,
     methods: Mapping[str, tuple[str, str]],
     titles: Mapping[str, str],
+    reproduction: bool = False,
 ) -> list[tuple[Table, pd.DataFrame]]:
     """Lay out two tables for each environment.
 
@@ -108,6 +109,8 @@ def build_tables(
         Method to its label and colour, in the order of rows.
     titles : mapping
         Environment to title, in the order of the tables.
+    reproduction : bool
+        Whether the run is about the article, whose numbers a reader might take these for.
 
     Returns
     -------
@@ -121,7 +124,7 @@ def build_tables(
             raise UserError(f"metrics.csv: no environment {environment!r}; measure its learning files first")
         for kind in KINDS:
             columns = COLUMNS[kind]
-            notes = [*_common_notes(frame, statistics, methods), *_kind_notes(kind, measures)]
+            notes = [*_common_notes(frame, statistics, methods, reproduction), *_kind_notes(kind, measures)]
             groups, numbers = _body(frame, columns, methods)
             parts = [part for column in columns for part in column.parts]
             found.append(
@@ -231,7 +234,9 @@ def _kind_notes(kind: str, measures: Any) -> list[str]:
     ]
 
 
-def _common_notes(frame: pd.DataFrame, statistics: Any, methods: Mapping[str, tuple[str, str]]) -> list[str]:
+def _common_notes(
+    frame: pd.DataFrame, statistics: Any, methods: Mapping[str, tuple[str, str]], reproduction: bool
+) -> list[str]:
     seeds = sorted({int(n) for n in frame["seeds"]})
     intervals = (
         f"in brackets the {percent(statistics.confidence)} bootstrap interval of the mean (BCa,"
@@ -241,8 +246,8 @@ def _common_notes(frame: pd.DataFrame, statistics: Any, methods: Mapping[str, tu
         else f"no intervals, which take at least {FEWEST_FOR_INTERVAL} seeds."
     )
     notes = [
-        f"Mean ± standard deviation over {' or '.join(map(str, seeds))} seeds of this reproduction; {intervals} Best"
-        " value of a column within a task in bold; none in the first task.",
+        f"Mean ± standard deviation over {' or '.join(map(str, seeds))} seeds{' of this reproduction' * reproduction};"
+        f" {intervals} Best value of a column within a task in bold; none in the first task.",
     ]
     if BASE in set(frame["method"]):
         notes.append(

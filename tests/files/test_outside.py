@@ -11,9 +11,10 @@ from projects import ROOMS
 from ptl.cli.learn import command
 from ptl.errors import UserError
 from ptl.files.configuration import completed
-from ptl.files.outside import configured, learning_code
+from ptl.files.outside import configured, learning_code, local_sources
 from ptl.files.results import open_learning
 from ptl.files.verification import faults_of
+from ptl.learning.method_check import check_method
 
 MINE = """
 from typing import Annotated
@@ -97,3 +98,51 @@ def test_a_configured_class_keeps_what_was_not_given(folder: Path) -> None:
     assert configured("mine.py", {}).own.chance == 0.3
     assert configured("mine.py", {"chance": 0.7}).own.chance == 0.7
     assert configured("mine.py", {}).own.chance == 0.3
+
+
+HELPED = MINE.replace("from typing", "import {helper}\nfrom typing").replace(
+    "epsilon=self.own.chance", "epsilon={helper}.CHANCE"
+)
+
+
+def test_what_a_file_imports_from_its_folder_counts_as_its_source(folder: Path) -> None:
+    place = folder / "somewhere"
+    place.mkdir()
+    (place / "helped.py").write_text(HELPED.replace("{helper}", "close_helper"))
+    (place / "close_helper.py").write_text("from tools_of_mine.chances import CHANCE\n")
+    (place / "tools_of_mine").mkdir()
+    for name, text in {
+        "__init__": "",
+        "chances": "from . import deep\nCHANCE = 0.5\n",
+        "deep": "import h5py\n",
+    }.items():
+        (place / "tools_of_mine" / f"{name}.py").write_text(text)
+    (place / "bystander.py").write_text("")
+    reference = "somewhere/helped.py"
+    check_method(reference)
+    root, paths = local_sources(reference)
+    expected = "close_helper helped tools_of_mine/__init__ tools_of_mine/chances tools_of_mine/deep"
+    assert [path.relative_to(root).as_posix() for path in paths] == [f"{name}.py" for name in expected.split()]
+    digests = [learning_code(reference)]
+    for name in ("bystander", "close_helper", "tools_of_mine/deep"):
+        with (place / f"{name}.py").open("a") as file:
+            file.write("# changed\n")
+        digests.append(learning_code(reference))
+    assert digests[0] == digests[1] != digests[2] != digests[3]
+
+
+def test_what_an_import_path_imports_from_its_package_counts_as_its_source(folder: Path) -> None:
+    place = folder / "agents_of_mine"
+    place.mkdir()
+    (place / "__init__.py").write_text("")
+    (place / "numbers.py").write_text("CHANCE = 0.5\n")
+    agent = HELPED.replace("import {helper}", "from . import numbers").replace("{helper}", "numbers")
+    (place / "agent.py").write_text(agent.replace("    label", '    name = "agent"\n    label'))
+    reference = "agents_of_mine.agent:Method"
+    check_method(reference)
+    assert [path.name for path in local_sources(reference)[1]] == ["__init__.py", "agent.py", "numbers.py"]
+    (place / "alone.py").write_text(MINE)
+    assert [path.name for path in local_sources("agents_of_mine.alone:Method")[1]] == ["__init__.py", "alone.py"]
+    before = learning_code(reference)
+    (place / "numbers.py").write_text("CHANCE = 0.6\n")
+    assert learning_code(reference) != before

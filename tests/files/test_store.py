@@ -15,6 +15,7 @@ from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.atomic import atomic_path, write_text
 from ptl.files.csv import format_number
+from ptl.files.hdf5 import read_file
 from ptl.files.results import GROWTH, open_learning, open_result, write_growth, write_learning
 from ptl.files.verification import faults_of
 from ptl.learning.growth import grow_library
@@ -112,6 +113,16 @@ def test_impossible_content_is_found_though_the_checksum_fits(learned, change, s
 def test_missing_file(tmp_path):
     [fault] = faults_of(tmp_path / "none.h5")
     assert fault.endswith("no such file; check the path")
+
+
+@pytest.mark.parametrize(("name", "kind"), [("README.md", "text/markdown"), ("reports/tiny/metrics.csv", "text/csv")])
+def test_files_of_other_kinds_are_not_taken_for_damage(tmp_path, monkeypatch, name, kind):
+    monkeypatch.chdir(tmp_path)
+    for path, text in (("config/config.yaml", "run: tiny\n"), (name, "environment,task\n")):
+        Path(path).parent.mkdir(exist_ok=True, parents=True)
+        Path(path).write_text(text)
+    with pytest.raises(UserError, match=f"^{name}: is {kind}, no result file; name a file that ends in .h5$"):
+        read_file(name)
 
 
 def test_errors_of_the_reader_are_not_taken_for_damage(learned):

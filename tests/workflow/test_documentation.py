@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import click
 import pandas as pd
 import pytest
+import snakemake.cli
 import yaml
 from projects import MAPS, ROOT, TINY, Project, errors_of
 
 import ptl
+from ptl import methods
 from ptl.cli import commands
 from ptl.config import Parameters
 from ptl.report import ledger
@@ -27,6 +31,8 @@ PAGES = [
     for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), ROOT / "config/README.md")
 ]
 
+RULES = [ROOT / "workflow/Snakefile", *(ROOT / "workflow/rules").glob("*.smk")]
+
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
@@ -37,6 +43,12 @@ def text_of(page: str) -> str:
 def blocks(page: str, *languages: str) -> list[str]:
     """Fenced blocks of a page in these languages, in order."""
     return [code for language, code in FENCE.findall(text_of(page)) if language in languages]
+
+
+def commands_of(language: str, code: str) -> list[str]:
+    """Commands of a block: every line of a script, and what follows the prompts of a session."""
+    lines = code.splitlines()
+    return lines if language == "sh" else [line[2:] for line in lines if language == "console" and line[:2] == "$ "]
 
 
 def section(page: str, heading: str) -> str:
@@ -211,84 +223,89 @@ def test_library_example_of_the_readme_runs(
     assert [line[0] for line in lines] == list("ABCDEF")
 
 
-def write_files_of(page: str, folder: Path) -> list[Path]:
-    """Write the files that a tutorial tells its reader to save; their names stand before the blocks."""
-    written = []
-    pattern = r"[Ss]ave this(?: one)? as\s+`([^`]+)`[^`]*?```\w*\n(.*?)^```$"
-    for name, content in re.findall(pattern, text_of(page), re.MULTILINE | re.DOTALL):
-        assert not (folder / name).exists(), f"{page}: {name} is there already"
-        (folder / name).write_text(content, encoding="utf-8")
-        written.append(folder / name)
-    return written
+COMMANDS = [
+    (page, command)
+    for page in PAGES
+    for language, code in FENCE.findall(text_of(page))
+    for command in commands_of(language, code)
+    if command.startswith(("snakemake ", "ptl "))
+]
 
 
-def test_tutorials_add_only_their_own_jobs(tmp_path: Path) -> None:
-    """Counted without running anything: the small run with both tutorials laid over it."""
-    project = Project(tmp_path, None)
-    write_files_of("docs/tutorial-your-own-map.md", tmp_path)
-    write_files_of("docs/tutorial-your-own-method.md", tmp_path)
-    jobs = project.waiting("--configfile", "config/smoke.yaml", "courtyard.yaml", "control.yaml")
-    environments, methods, seeds, lives = 3 + 1, 6 + 1, 2, 2
-    assert jobs["learn"] == environments * methods * seeds
-    assert jobs["merge_survey"] == environments
-    assert jobs["grow"] == lives
+@pytest.mark.parametrize(("page", "command"), COMMANDS)
+def test_commands_of_the_pages_are_understood(page: str, command: str) -> None:
+    """Their options are known, and no target is taken for something else."""
+    program, *arguments = shlex.split(command, comments=True)
+    if program == "ptl":
+        with click.Context(commands) as context:
+            name, called, rest = commands.resolve_command(context, arguments)
+            called.make_context(name, rest)
+        return
+    _, given = snakemake.cli.parse_args(arguments)
+    assert all(str(path).endswith(".yaml") for path in given.configfile or [])
+    rules = set(re.findall(r"^\s*rule (\w+):", "".join(path.read_text() for path in RULES), re.MULTILINE))
+    for target in given.targets:
+        assert target in rules or target.startswith(("results/", "reports/"))
 
 
-def run_tutorial(page: str, project: Project) -> dict[str, str]:
-    """Do what a tutorial says, in its order; return what each command, and the Python code, printed."""
-    assert write_files_of(page, project.folder)
-    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    printed = {}
-    for language, code in FENCE.findall(text_of(page)):
-        if language == "sh":
-            for line in code.splitlines():
-                done = subprocess.run(
-                    line, shell=True, cwd=project.folder, env=project.environment | {"PATH": path},
-                    capture_output=True, text=True,
-                )  # fmt: skip
-                assert done.returncode == 0, f"{line}\n{done.stdout}{done.stderr}"
-                printed[line] = done.stdout + done.stderr
-        elif language == "python" and "import pandas" in code:
-            done = project.python("-c", code)
-            assert done.returncode == 0, done.stderr
-            printed["python"] = done.stdout
+def run_page(page: str, where: Path, environment: Mapping[str, str]) -> dict[str, str]:
+    """Do what a page says in a folder, in its order; return what each command, and the Python code, printed."""
+    environment = {**environment, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    text, end, printed = text_of(page), 0, {}
+
+    def run(command: list[str], folder: Path) -> str:
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=500)
+        assert done.returncode == 0, f"{command}\n{done.stdout}{done.stderr}"
+        return done.stdout + done.stderr
+
+    for block in FENCE.finditer(text):
+        language, code = block.groups()
+        before, end = text[end : block.start()], block.end()
+        if saved := re.findall(r"[Ss]ave this(?: one)? as\s+`([^`]+)`", before):
+            (where / saved[-1]).write_text(code, encoding="utf-8")
+        elif language == "python":
+            in_checkout = "config/environments" in code
+            printed["python"] = run([sys.executable, "-c", code], ROOT if in_checkout else where)
+        for command in commands_of(language, code):
+            if command.startswith("cd "):
+                where /= command.split()[1]
+            elif not command.startswith(("source ", "pip ")):
+                printed[command] = printed.get(command, "") + run(["bash", "-c", command], where)
     return printed
+
+
+OUTSIDE = {**os.environ, "PYTHONPATH": str(ROOT)}
+"""Environment of a reader who has the package installed and is somewhere else."""
 
 
 @pytest.mark.slow
 def test_map_tutorial_works(tmp_path: Path) -> None:
-    printed = run_tutorial("docs/tutorial-your-own-map.md", Project(tmp_path, None))
-    [dry] = [text for command, text in printed.items() if "--dry-run" in command]
-    assert re.search(r"^learn +12$", dry, re.MULTILINE), dry
-    assert not re.search(r"^grow ", dry, re.MULTILINE), dry
-    methods = yaml.safe_load(text_of("config/config.yaml"))["methods"]
-    assert all(method in printed["python"] for method in methods)
-    reports = tmp_path / "reports/smoke"
-    for figure in ("map", "discovery"):
-        assert (reports / f"figures/{figure}_courtyard.png").stat().st_size > 0
-    for number, title in ((1, "Environment 1"), (6, "Environment 3"), (7, "Courtyard"), (8, "Courtyard")):
-        assert title in (reports / f"tables/table{number}.html").read_text(encoding="utf-8")
-    for figure in ("figure08", "figure12"):
-        assert "courtyard" in (reports / f"figures/{figure}.csv").read_text(encoding="utf-8")
+    printed = run_page("docs/tutorial-your-own-map.md", tmp_path, OUTSIDE)
+    planned = re.findall(r"^learn +(\d+)$", printed["snakemake --dry-run --quiet rules"], re.MULTILINE)
+    assert [int(number) for number in planned] == [6 * 2, 6 * (5 - 2)]
+    reports = tmp_path / "my-maps/yard/reports/yard"
+    for name in ("index.html", "explorer.html", "figures/map_courtyard.png", "figures/discovery_courtyard.png"):
+        assert (reports / name).stat().st_size > 0
+    assert "courtyard, task B (2 seeds: mean)" in printed["ptl metrics"]
+    assert all(name in printed["python"] for name in methods.names())
 
 
 @pytest.mark.slow
 def test_method_tutorial_works(tmp_path: Path) -> None:
-    printed = run_tutorial("docs/tutorial-your-own-method.md", Project(tmp_path, None))
-    assert "random_skill" in printed["python"]
-    reports = tmp_path / "reports/smoke"
-    for number in range(1, 7):
+    run_page("docs/tutorial-your-own-method.md", tmp_path, OUTSIDE)
+    reports = tmp_path / "my-methods/control/reports/control"
+    for number in (1, 2):
         assert "Random skill" in (reports / f"tables/table{number}.html").read_text(encoding="utf-8")
-    assert "random_skill" in (reports / "figures/figure12.csv").read_text(encoding="utf-8")
+    assert "random_skill" in (reports / "figures/curves.csv").read_text(encoding="utf-8")
     per_seed = pd.read_csv(reports / "tables/per_seed.csv")
-    assert (per_seed["method"] == "random_skill").sum() == 3 * 6 * 2
+    assert (per_seed["method"] == "random_skill").sum() == 4 * 2
 
 
 @pytest.mark.slow
 def test_gymnasium_page_works(tmp_path: Path) -> None:
     project = Project(tmp_path, None)
     shutil.copytree(ROOT / "examples", tmp_path / "examples")
-    printed = run_tutorial("docs/gymnasium.md", project)
+    printed = run_page("docs/gymnasium.md", tmp_path, project.environment)
     assert "gymnasium_sarsa" in printed["python"]
     reports = tmp_path / "reports/rivals"
     own = pd.read_csv(tmp_path / "sarsa.csv")

@@ -324,11 +324,13 @@ def test_advice_names_the_configuration_of_the_run(tmp_path, monkeypatch):
     (tmp_path / "config").mkdir()
     (tmp_path / "config/config.yaml").write_text("run: published\n")
     (tmp_path / "config/smoke.yaml").write_text("# small\nrun: 'smoke'\n")
+    (tmp_path / "rivals.yaml").write_text("run: rivals\n")
     monkeypatch.chdir(tmp_path)
     assert rebuild_command("results/published/steps.h5") == "snakemake results/published/steps.h5 --cores 1"
     expected = "snakemake results/smoke/steps.h5 --cores 1 --configfile config/smoke.yaml"
     assert rebuild_command("results/smoke/steps.h5") == expected
     assert rebuild_command(tmp_path / "results/smoke/steps.h5") == expected
+    assert rebuild_command("reports/rivals/x.csv").endswith("x.csv --cores 1 --configfile rivals.yaml")
     assert rebuild_command("results/other/a b.h5") == "snakemake 'results/other/a b.h5' --cores 1"
     assert rebuild_command("/elsewhere/x.h5") == "snakemake /elsewhere/x.h5 --cores 1"
 

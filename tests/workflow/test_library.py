@@ -90,3 +90,14 @@ def test_gymnasium_random_starts_never_lie_on_the_goal(env2):
     env.reset(seed=3)
     starts = {int(env.reset()[0]) for _ in range(3000)}
     assert env2.goals["A"] not in starts and len(starts) == env2.n_states - 1
+
+
+def test_results_are_shown_in_a_line(env2):
+    """Without their arrays, which fill pages."""
+    few = ptl.Parameters().replace(learning__episodes=30)
+    life = ptl.learn_life(env2, ptl.tasks_of(env2, "AB"), "ptl", few, root_seed=1)
+    assert repr(life.library) == f"<SkillLibrary: {len(life.library)} skills, subgoals {life.library.subgoals}>"
+    assert repr(life) == f"<Life: tasks A, B; library {life.library!r}>"
+    record = life.records[0]
+    for thing in (*life.library.skills, record, record.discovery, record.discovery.original):
+        assert "array(" not in repr(thing) and len(repr(thing)) < 200

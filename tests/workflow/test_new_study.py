@@ -18,6 +18,24 @@ from projects import ROOMS, ROOT, errors_of
 
 from ptl.world.gridworld import load_map
 
+HASTY = """
+import rates
+from ptl.methods.no_transfer import Method as NoTransfer
+
+
+class Method(NoTransfer):
+    label = "Hasty"
+    colour = "#123456"
+
+    def run_episode(self, learner):
+        learner.explore(epsilon=rates.EPSILON)
+        return []
+"""
+WALKER = (
+    HASTY.replace("import rates", "from . import rates")
+    .replace("class Method", "class Walker")
+    .replace('label = "Hasty"', 'label, name = "Walker", "walker"')
+)
 HALL = "######\n#I...#\n#.#..#\n#A.#B#\n#C..##\n######\n"
 
 
@@ -58,10 +76,15 @@ def new_study(folder: Path, package: Path) -> Study:
     """Make a study of two maps, one of them in an order of its own."""
     (folder / "rooms.txt").write_text(ROOMS)
     (folder / "Long hall.txt").write_text(HALL)
+    for place, file, text in (("mine", "hasty.py", HASTY), ("agents", "walker.py", WALKER)):
+        (folder / place).mkdir()
+        (folder / place / file).write_text(text)
+        (folder / place / "rates.py").write_text("EPSILON = 0.5\n")
     study = Study(folder / "own maps", package)
     done = study.run(
         "ptl", "new-study", "own maps", "--map", "rooms.txt", "--map", "Long hall.txt", "--tasks", "long_hall=CAB",
-        "--seeds", "2", "--episodes", "20", "--method", "no_transfer", "--method", "full_transfer", "--method", "ptl",
+        "--seeds", "2", "--episodes", "20", "--method", "no_transfer", "--method", "mine/hasty.py",
+        "--method", "agents.walker:Walker", "--method", "ptl",
         where=folder,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -85,7 +108,7 @@ def test_only_the_maps_of_the_study_are_learned_in_their_order(study: Study) -> 
     per_seed = study.table("per_seed")
     orders = {name: "".join(dict.fromkeys(part["task"])) for name, part in per_seed.groupby("environment")}
     assert orders == {"rooms": "AB", "long_hall": "CAB"}
-    assert set(per_seed["method"]) == {"no_transfer", "full_transfer", "ptl"} and set(per_seed["seed"]) == {0, 1}
+    assert set(per_seed["method"]) == {"no_transfer", "hasty", "walker", "ptl"} and set(per_seed["seed"]) == {0, 1}
     results = {path.name for path in (study.folder / "results/own_maps").iterdir()}
     assert results == {"learning", "growth", "subgoal_frequencies", "steps.h5", "made.json", "records", "checked"}
 
@@ -106,7 +129,7 @@ def test_it_is_silent_on_the_article(study: Study) -> None:
     assert not [name for name in names if re.match(r"claims|differences|policy_reuse|misleading|figure\d", name)]
     for name, text in study.shown():
         if name not in {"explorer.html", "report.html"}:
-            assert not re.search(r"\barticle\b|Fern[aá]ndez|figure ?\d\d", text, re.IGNORECASE), name
+            assert not re.search(r"\barticle\b|reproduction|Fern[aá]ndez|figure ?\d\d", text, re.IGNORECASE), name
     report = (study.folder / "reports/own_maps/report.html").read_text(encoding="utf-8")
     assert "Partial transfer learning study" in report and "a reproduction" not in report
     assert "Verdicts" not in report and "Figure 1" not in report
@@ -116,6 +139,16 @@ def test_a_second_run_and_verification_find_nothing_to_do(study: Study) -> None:
     assert "Nothing to be done" in study.make()
     done = study.run("ptl", "verify", "results", "reports")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_method_from_elsewhere_came_with_its_helpers_and_is_learned_again_when_they_change(study: Study) -> None:
+    for helper, method in (("methods/rates.py", "hasty"), ("agents/rates.py", "walker")):
+        path = study.folder / helper
+        text = path.read_text()
+        path.write_text("EPSILON = 0.6\n")
+        planned = study.make("-n", "learning")
+        path.write_text(text)
+        assert re.findall(r"Learning \w+ with (\w+), seed", planned) == 2 * 2 * [method]
 
 
 @pytest.mark.slow
@@ -132,7 +165,7 @@ def test_it_runs_from_a_wheel(tmp_path: Path) -> None:
     study = new_study(tmp_path, site)
     study.make()
     study.make("--report", "reports/own_maps/report.html")
-    assert len(study.table("per_seed")) == 2 * 3 * 5
+    assert len(study.table("per_seed")) == 2 * 4 * 5
     done = study.run("ptl", "verify", "results", "reports")
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -23,7 +23,6 @@ def refuse(error):
     os._exit(1)
 
 
-sys.path.append(os.getcwd())  # for methods that lie in the study's folder
 try:
     check_build()
     for path in workflow.configfiles:

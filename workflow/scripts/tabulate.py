@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from ptl.config import of_article
 from ptl.files.csv import write_csv
 from ptl.report.job import running
 from ptl.report.metric_tables import build_tables, write_tables
@@ -15,6 +16,6 @@ with running(snakemake) as job:
     )
     write_csv(metrics, job.output.metrics, sealed=True)
     write_tables(
-        build_tables(metrics, job.groups.measures, statistics, job.looks, job.titles),
+        build_tables(metrics, job.groups.measures, statistics, job.looks, job.titles, of_article(job.environments)),
         Path(job.output.metrics).parent,
     )

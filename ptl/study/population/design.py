@@ -1,6 +1,5 @@
 """From config/beyond.yaml to the jobs of the second study."""
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
@@ -12,6 +11,7 @@ from ptl import methods
 from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import read_yaml
+from ptl.files.outside import learning_code
 from ptl.files.question import lives_code
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.methods.beyond import module_of, reference
@@ -206,8 +206,7 @@ def method_digest(method: str) -> str:
     """Return a digest of the sources that the lives of a method depend on."""
     if module := module_of(method):
         return lives_code(module)
-    source = methods.source_file(method).read_bytes()
-    return hashlib.sha256(source + lives_code().encode()).hexdigest()[:16]
+    return learning_code(method, "ptl.study.population.running")
 
 
 def read_study(path: str | Path) -> Study:
