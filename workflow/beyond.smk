@@ -27,7 +27,7 @@ if "methods" not in config:
 
 
 try:
-    check_build()
+    check_build(workflow.current_basedir)
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
     STUDY = Study.read(config)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ast
-import re
+import importlib
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -113,16 +112,25 @@ def test_a_product_depends_on_its_own_files(package, edited, depends, apart):
 
 
 def test_present_build_is_accepted():
-    provenance.check_build()
+    provenance.check_build(ROOT / "workflow")
 
 
 def test_stale_build_is_refused(package):
     (package / "agent/_kernel.pyx").write_text("# other sources\n")
     with pytest.raises(UserError, match=r"ptl\.agent\._kernel was built from other sources .* 'make build'"):
-        provenance.check_build()
+        provenance.check_build(package.parent / "workflow")
 
 
-def test_make_rebuilds_when_a_compiled_source_changes():
-    printed = subprocess.run(["make", "-pn", "help"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    [sources] = re.findall(r"^\.venv/\.built:(.*)$", printed, flags=re.M)
-    assert {f"ptl/{name}" for names in provenance.EXTENSIONS.values() for name in names} <= set(sources.split())
+def test_the_workflow_of_another_checkout_is_refused(tmp_path):
+    (tmp_path / "ptl").mkdir()
+    (tmp_path / "ptl/__init__.py").touch()
+    with pytest.raises(UserError, match=r"runs with the code in .* run 'make build' there"):
+        provenance.check_build(tmp_path / "workflow")
+
+
+def test_make_rebuilds_when_a_compiled_source_changes(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT)
+    make_venv = importlib.import_module("make_venv")
+    sources = {str(path.relative_to(ROOT)) for path in make_venv.sources("built")}
+    assert {f"ptl/{name}" for names in provenance.EXTENSIONS.values() for name in names} <= sources
+    assert "setup.py" in sources

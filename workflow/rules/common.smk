@@ -25,7 +25,7 @@ def refuse(error):
 
 sys.path.append(os.getcwd())  # for methods that lie in the study's folder
 try:
-    check_build()
+    check_build(Path(workflow.current_basedir).parent)
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
     CONFIGURATION = completed(config)
