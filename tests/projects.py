@@ -80,9 +80,9 @@ class Project:
         """Run the copy's command line."""
         return self.python("-m", "ptl", *arguments, **options)
 
-    def snakemake(self, *arguments: str | Path, cores: int = 2) -> subprocess.CompletedProcess[str]:
+    def snakemake(self, *arguments: str | Path, cores: int = 2, **options: Any) -> subprocess.CompletedProcess[str]:
         """Run Snakemake in the copy."""
-        return self.python("-m", "snakemake", f"-j{cores}", *arguments)
+        return self.python("-m", "snakemake", f"-j{cores}", *arguments, **options)
 
     def make(self, *arguments: str | Path, cores: int = 2) -> str:
         """Run Snakemake in the copy, which must succeed; return what it printed."""

@@ -7,7 +7,6 @@ while editing the kernel reruns all learning.
 from __future__ import annotations
 
 import hashlib
-import os
 import re
 from functools import cache
 from importlib import import_module
@@ -94,22 +93,14 @@ def _is_module(name: str) -> bool:
     return name in EXTENSIONS or path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
 
 
-def check_build(workflow: str | os.PathLike[str]) -> None:
-    """Refuse a workflow of another checkout, and compiled modules built from other sources than the present ones.
-
-    Parameters
-    ----------
-    workflow : path
-        Folder of the workflow that runs.
+def check_build() -> None:
+    """Refuse compiled modules that were built from other sources than the present ones.
 
     Raises
     ------
     UserError
-        Naming the module or the checkout, and the command that builds it.
+        Naming the module and the command that rebuilds it.
     """
-    beside = Path(workflow).parent / PACKAGE.name
-    if (beside / "__init__.py").exists() and not beside.samefile(PACKAGE):
-        raise UserError(f"{workflow}: runs with the code in {PACKAGE}, not with that beside it; run 'make build' there")
     for module, sources in EXTENSIONS.items():
         try:
             built = import_module(module).SOURCE_DIGEST

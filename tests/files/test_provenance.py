@@ -12,6 +12,7 @@ from projects import ROOT
 
 from ptl.errors import UserError
 from ptl.files import provenance
+from ptl.files.checkout import check_checkout
 
 
 def forget() -> None:
@@ -112,20 +113,21 @@ def test_a_product_depends_on_its_own_files(package, edited, depends, apart):
 
 
 def test_present_build_is_accepted():
-    provenance.check_build(ROOT / "workflow")
+    provenance.check_build()
 
 
 def test_stale_build_is_refused(package):
     (package / "agent/_kernel.pyx").write_text("# other sources\n")
     with pytest.raises(UserError, match=r"ptl\.agent\._kernel was built from other sources .* 'make build'"):
-        provenance.check_build(package.parent / "workflow")
+        provenance.check_build()
 
 
 def test_the_workflow_of_another_checkout_is_refused(tmp_path):
     (tmp_path / "ptl").mkdir()
     (tmp_path / "ptl/__init__.py").touch()
     with pytest.raises(UserError, match=r"runs with the code in .* run 'make build' there"):
-        provenance.check_build(tmp_path / "workflow")
+        check_checkout(tmp_path / "workflow")
+    check_checkout(ROOT / "workflow")
 
 
 def test_make_rebuilds_when_a_compiled_source_changes(monkeypatch):

@@ -8,12 +8,14 @@ from pathlib import Path
 
 from ptl import methods
 from ptl.errors import UserError
+from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import SIDE_MAPS, about, map_digest, question_of
 from ptl.report.snakemake_report import keep_texts
+from ptl.study.cost import FLAG, check_cost, cost_of
 from ptl.world.gridworld import load_map
 
 
@@ -25,16 +27,23 @@ def refuse(error):
 
 sys.path.append(os.getcwd())  # for methods that lie in the study's folder
 try:
-    check_build(Path(workflow.current_basedir).parent)
+    check_checkout(Path(workflow.current_basedir).parent)
+    check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
     CONFIGURATION = completed(config)
     config.update(CONFIGURATION.to_dict())
     MAPS = {name: entry["map"] for name, entry in config["environments"].items()}
     MAPS.update(SIDE_MAPS if CONFIGURATION.article else {})
-    DIGESTS = {name: map_digest(load_map(path).text) for name, path in MAPS.items()}
+    WORLDS = {name: load_map(path) for name, path in MAPS.items()}
+    DIGESTS = {name: map_digest(world.text) for name, world in WORLDS.items()}
+    COST = cost_of(CONFIGURATION, WORLDS)
+    check_cost(COST, allowed=bool(os.environ.get(FLAG)))
 except UserError as error:
     refuse(error)
+
+if workflow.is_main_process:
+    print(f"a whole run takes about {COST}", file=sys.stderr)
 
 if any(argument.startswith("--report") for argument in sys.argv):
     keep_texts()
