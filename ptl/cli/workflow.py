@@ -25,8 +25,11 @@ def command(arguments: tuple[str, ...]) -> None:
     of a run that is still going on. This command looks at the processes of this machine: it refuses while a Snakemake
     is at work here, waits for the jobs that a killed run left behind, and then removes the lock.
     """
+    from ptl.cli._surroundings import environment
+
+    variables = environment()
     _remove_stale_lock()
-    os.execv(SNAKEMAKE[0], [*SNAKEMAKE, *arguments])
+    os.execve(SNAKEMAKE[0], [*SNAKEMAKE, *arguments], variables)
 
 
 def _remove_stale_lock() -> None:
