@@ -14,7 +14,8 @@ from ptl.files.manifest import sha256
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import SIDE_MAPS, about, map_digest, question_of
-from ptl.report.snakemake_report import keep_texts
+from ptl.report.figures import left_out
+from ptl.report.snakemake_report import keep_checksum, keep_texts
 from ptl.study.cost import FLAG, check_cost, cost_of
 from ptl.world.gridworld import load_map
 
@@ -42,11 +43,9 @@ try:
 except UserError as error:
     refuse(error)
 
-if workflow.is_main_process:
-    print(f"a whole run takes about {COST}", file=sys.stderr)
-
 if any(argument.startswith("--report") for argument in sys.argv):
     keep_texts()
+    keep_checksum()
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.
@@ -71,6 +70,11 @@ SECTIONS = (
     else ["Figures", "Tables", "Explorer"]
 )
 
+
+if workflow.is_main_process:
+    print(f"a whole run takes about {COST}", file=sys.stderr)
+    for figure, missing in left_out(config, ARTICLE).items():
+        print(f"{figure} is left out: it shows {missing}, which methods does not name", file=sys.stderr)
 
 pathvars:
     results=f"results/{config['run']}",
