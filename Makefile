@@ -2,18 +2,16 @@
 
 PYTHON ?= python3
 CORES ?= 2
-RUN_TOOLS = .venv/.run-tools
 TEST_TOOLS = .venv/.test-tools
 BENCHMARK_TOOLS = .venv/.benchmark-tools
 SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
 BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
-SOURCES = setup.py pyproject.toml $(wildcard ptl/*/*.pyx ptl/*/*.pxd)
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock
+.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-all lint format docs build clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -92,31 +90,14 @@ docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to 
 	.venv/bin/ptl config-docs
 	.venv/bin/ptl readme
 
-build: .venv/.built  ## Install the package into .venv and compile its kernel.
+build:  ## Install the package into .venv and compile its kernel.
+	@$(PYTHON) make_venv.py built
 
-.venv/.built: $(RUN_TOOLS) $(SOURCES)
-	@command -v $${CC:-cc} >/dev/null || { \
-	  echo "error: no C compiler found; ptl needs one (on Debian or Ubuntu: apt-get install build-essential)" >&2; exit 1; }
-	@echo "Building ptl"
-	@.venv/bin/python -m pip install --no-deps --no-build-isolation --editable . > .venv/build.log 2>&1 || { \
-	  cat .venv/build.log; echo "error: the package could not be built; see the lines above" >&2; exit 1; }
-	@.venv/bin/python -m compileall -q ptl  # jobs may not be allowed to, and would compile anew every time
-	@touch $@
+# What is installed in .venv is kept in its stamp; these files are never made.
+.venv/.%: FORCE
+	@$(PYTHON) make_venv.py $*
 
-$(RUN_TOOLS): requirements.lock
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
-	  echo "error: Python 3.11 or newer is needed; name one with 'make PYTHON=python3.12 ...'" >&2; exit 1; }
-	@test -x .venv/bin/python || $(PYTHON) -m venv .venv
-	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements.lock
-	@touch $@
-
-$(TEST_TOOLS): requirements-test.lock $(RUN_TOOLS)
-	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements-test.lock
-	@touch $@
-
-$(BENCHMARK_TOOLS): requirements-benchmark.lock $(RUN_TOOLS)
-	.venv/bin/python -m pip install --quiet --require-hashes --requirement requirements-benchmark.lock
-	@touch $@
+FORCE:
 
 clean:  ## Remove results and workflow state (published products and .venv stay).
 	rm -rf results logs .snakemake build

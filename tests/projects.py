@@ -68,7 +68,9 @@ class Project:
     @property
     def environment(self) -> dict[str, str]:
         """Environment variables under which the copy of the package is imported."""
-        return os.environ | {"PYTHONPATH": str(self.folder)}
+        # One list of fonts for all: `ptl workflow` would have one made in every folder.
+        fonts = os.environ.get("MPLCONFIGDIR", str(Path.home() / ".cache/matplotlib"))
+        return os.environ | {"PYTHONPATH": str(self.folder), "MPLCONFIGDIR": fonts}
 
     def python(self, *arguments: str | Path, **options: Any) -> subprocess.CompletedProcess[str]:
         """Run Python in the copy."""
@@ -80,9 +82,9 @@ class Project:
         """Run the copy's command line."""
         return self.python("-m", "ptl", *arguments, **options)
 
-    def snakemake(self, *arguments: str | Path, cores: int = 2) -> subprocess.CompletedProcess[str]:
+    def snakemake(self, *arguments: str | Path, cores: int = 2, **options: Any) -> subprocess.CompletedProcess[str]:
         """Run Snakemake in the copy."""
-        return self.python("-m", "snakemake", f"-j{cores}", *arguments)
+        return self.python("-m", "snakemake", f"-j{cores}", *arguments, **options)
 
     def make(self, *arguments: str | Path, cores: int = 2) -> str:
         """Run Snakemake in the copy, which must succeed; return what it printed."""

@@ -13,6 +13,7 @@ from snakemake.utils import min_version
 
 from ptl.errors import UserError
 from ptl.files.atomic import remove_unfinished
+from ptl.files.checkout import check_checkout
 from ptl.files.configuration import read_yaml
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.outside import learning_code
@@ -37,6 +38,7 @@ if "methods" not in config:
 
 
 try:
+    check_checkout(workflow.current_basedir)
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last

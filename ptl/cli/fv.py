@@ -6,16 +6,20 @@ from pathlib import Path
 
 import click
 
+from ptl.cli._arguments import SEED
+
 FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 @click.command()
 @click.option("--map", "map_path", required=True, type=FILE, help="Text file of their map (environment 3).")
 @click.option("--library", required=True, help="library_234, library_1234, library_2345 or q_learning.")
-@click.option("--seeds", required=True, type=click.IntRange(1), help="Number of runs (seeds 0, 1, ...).")
-@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
-@click.option("--trials", default=2000, show_default=True, type=click.IntRange(1), help="Trials on the new task.")
-@click.option("--library-trials", default=20_000, show_default=True, type=click.IntRange(1),
+@click.option("--seeds", required=True, type=click.IntRange(1, 10**5), help="Number of runs (seeds 0, 1, ...).")
+@click.option("--root-seed", required=True, type=SEED, help="Seed from which all streams derive.")
+@click.option(
+    "--trials", default=2000, show_default=True, type=click.IntRange(1, 10**6), help="Trials on the new task."
+)
+@click.option("--library-trials", default=20_000, show_default=True, type=click.IntRange(1, 10**6),
               help="Trials in which each policy of the library is learned.")  # fmt: skip
 @click.option("--output", required=True, type=FILE, help="HDF5 file to write.")
 def command(

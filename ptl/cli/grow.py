@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import click
 
+from ptl.cli._arguments import SEED
+
 
 @click.command()
 @click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
 @click.option("--environment", required=True, help="Name of the environment.")
-@click.option("--tasks", required=True, type=click.IntRange(1), help="Tasks in the life.")
-@click.option("--run", required=True, type=click.IntRange(0), help="Number of the life.")
-@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--tasks", required=True, type=click.IntRange(1, 10**5), help="Tasks in the life.")
+@click.option("--run", required=True, type=SEED, help="Number of the life.")
+@click.option("--root-seed", required=True, type=SEED, help="Seed from which all streams derive.")
 @click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
 @click.option("--output", required=True, type=click.Path(), help="HDF5 file to write.")
 def command(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import click
 
+from ptl.cli._arguments import SEED
+
 
 @click.command()
 @click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
@@ -12,8 +14,8 @@ import click
 @click.option("--method", default="ptl", show_default=True,
               help="A built-in method, a file that ends in .py, or package.module:Class.")  # fmt: skip
 @click.option("--method-parameters", default="{}", help="Parameters of the method's own as JSON.")
-@click.option("--seed", default=0, show_default=True, type=click.IntRange(0), help="Number of the run.")
-@click.option("--root-seed", default=2019, show_default=True, type=click.IntRange(0),
+@click.option("--seed", default=0, show_default=True, type=SEED, help="Number of the run.")
+@click.option("--root-seed", default=2019, show_default=True, type=SEED,
               help="Seed from which all streams derive.")  # fmt: skip
 @click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
 @click.option("--output", type=click.Path(), help="HDF5 file to write; by default ENVIRONMENT_METHOD_SEED.h5.")
@@ -55,7 +57,7 @@ def command(
         "parameters": chosen.to_dict() | record(method, kind),
         "code": learning_code(method),
     }
-    path = output or f"{environment}_{name}_{seed}.h5"
+    path = f"{environment}_{name}_{seed}.h5" if output is None else output
     write_learning(path, life, world, origin)
     if output is None:
         click.echo(f"{path}: written; 'ptl inspect {path}' shows it")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import click
 
+from ptl.cli._arguments import SEED
 from ptl.config import SubgoalFrequencies
 
 DEFAULT = SubgoalFrequencies()
@@ -22,7 +23,7 @@ def command() -> None:
 @click.option("--batches", required=True, type=int, help="Batches in all.")
 @click.option("--starts", default=DEFAULT.starts, help="'all' or the number of start states to sample.")
 @click.option("--trajectories", default=DEFAULT.trajectories, type=int, help="Successful episodes of each task.")
-@click.option("--root-seed", required=True, type=click.IntRange(0), help="Seed from which all streams derive.")
+@click.option("--root-seed", required=True, type=SEED, help="Seed from which all streams derive.")
 @click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
 @PRODUCT
 def batch(

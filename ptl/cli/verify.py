@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+if TYPE_CHECKING:
+    from ptl.files.question import Question
 
 LISTED = 5
 """Unchecked files that are named."""
@@ -27,8 +31,9 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     """Check HDF5 files, sealed tables and report folders with a manifest, or all of them below folders.
 
     HDF5 files: checksum, content as declared, place, invariants, version of the code. Files that come with a checksum
-    (<file>.sha256): that. Report folders: every product against the folder's manifest.json. Files below folders that
-    nothing is known about are counted as not checked.
+    (<file>.sha256): that. Results: also the configuration and maps of their run, in the copy of its manifest
+    (results/<run>/made.json), except with --any-code. Report folders: every product against the folder's
+    manifest.json. Files below folders that nothing is known about are counted as not checked.
 
     With --against, say instead how the report folders PATHS compare with another run: which products are equal, equal
     within a tolerance, or different, and which verdicts changed. 'published' stands for the published run, as git's
@@ -39,8 +44,10 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
     from ptl.files.comparison import NothingToCompareError, compare, reference
-    from ptl.files.manifest import MANIFEST, read
-    from ptl.files.verification import checkable, faults_of, unchecked
+    from ptl.files.manifest import MADE, MANIFEST, read
+    from ptl.files.question import asking
+    from ptl.files.schema import SETTING
+    from ptl.files.verification import checkable, faults_of, made_beside, unchecked
 
     if against is not None:
         try:
@@ -59,8 +66,18 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     if not files:
         raise UserError(f"{paths[0]}: nothing there that can be checked; name result files or folders of them")
     faults: dict[str, None] = {}
+    runs: dict[Path | None, Question] = {None: {}}
+    alone = []
     for path in shown(files, "Verifying"):
-        faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
+        made = None if any_code or path.suffix != ".h5" else made_beside(path)
+        if path.suffix == ".h5" and made is None:
+            alone.append(path)
+        if made not in runs:
+            runs[made] = _question_of(made)
+        # The settings of the robustness study are not in the manifest.
+        question = {k: v for k, v in runs[made].items() if k != SETTING or path.parent.name != "robustness"}
+        with asking(question):
+            faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
     for fault in faults:
         click.echo(printable(fault))
     if faults:
@@ -70,7 +87,32 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
         if path.name == MANIFEST:
             click.echo(printable(f"{len(read(path)['products'])} products are those of {path}"))
     left = list(dict.fromkeys(file for path in paths for file in unchecked(path, files)))
+    if alone:
+        click.echo(printable(f"not held against the configuration of a run, for want of its {MADE}: {_named(alone)}"))
     if left:
-        more = ", ..." if len(left) > LISTED else ""
-        listed = ", ".join(map(str, left[:LISTED]))
-        click.echo(printable(f"not checked, because no checksum is kept of them: {len(left)} files ({listed}{more})"))
+        click.echo(printable(f"not checked, because no checksum is kept of them: {_named(left)}"))
+
+
+def _named(files: list[Path]) -> str:
+    more = ", ..." if len(files) > LISTED else ""
+    return f"{len(files)} files ({', '.join(map(str, files[:LISTED]))}{more})"
+
+
+def _question_of(made: Path) -> Question:
+    """Return what the results of a run must have been made from, by the copy of its manifest."""
+    from ptl.config import Configuration
+    from ptl.errors import UserError
+    from ptl.files.manifest import read
+    from ptl.files.question import SIDE_MAPS, asked_jobs, question_of
+    from ptl.study.decision import decision_jobs
+
+    manifest = read(made)
+    run = Configuration.from_dict(manifest["config"])
+    config, maps = run.to_dict(), manifest.get("maps", {})
+    for name in (*run.environments, *(SIDE_MAPS if run.article else ())):
+        if name not in maps:
+            raise UserError(f"{made}: names no map of {name}; remove it and run the workflow again")
+    question = question_of(config, maps)
+    if not run.article:
+        return question
+    return {**question, **asked_jobs(decision_jobs(config), {name: maps[name] for name in config["environments"]})}

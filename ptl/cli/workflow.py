@@ -39,9 +39,12 @@ def command(arguments: tuple[str, ...]) -> None:
     lives, looks at the processes of this machine for others, refuses while one is at work here, waits for the jobs that
     a killed run left behind, and then removes Snakemake's lock.
     """
+    from ptl.cli._surroundings import environment
+
+    variables = environment()
     _hold_folder()
     _remove_stale_lock()
-    os.execv(SNAKEMAKE[0], [*SNAKEMAKE, *arguments])
+    os.execve(SNAKEMAKE[0], [*SNAKEMAKE, *arguments], variables)
 
 
 def _hold_folder() -> None:

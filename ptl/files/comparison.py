@@ -22,7 +22,7 @@ from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ptl.errors import UserError
-from ptl.files.manifest import MANIFEST, parse, read
+from ptl.files.manifest import MADE, MANIFEST, parse, read
 from ptl.files.regular import sha256
 
 if TYPE_CHECKING:
@@ -36,9 +36,6 @@ PUBLISHED = "published"
 
 KEPT = ".published"
 """Folder of that copy, made by ``make reproduce`` where there is no git."""
-
-MADE = "made.json"
-"""Copy of its manifest that a run leaves in results/<run>/, where nothing is checked out."""
 
 LISTED = 6
 """Products, keys and claims that are named; of more only the number is given."""

@@ -31,7 +31,7 @@ def write_csv(frame: pd.DataFrame, path: str | os.PathLike[str], *, sealed: bool
     text = frame.to_csv(index=False, float_format=format_number, lineterminator="\n")
     write_text(path, text)
     if sealed:
-        write_text(seal_of(path), f"{_sha256(text.encode())}  {Path(path).name}\n")
+        seal(Path(path))
 
 
 def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
@@ -54,6 +54,11 @@ def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
         return pd.read_csv(io.BytesIO(content), **options)
     except ValueError as error:  # pandas' own errors are ValueErrors
         raise UserError(f"{path}: cannot be read as CSV ({error}); {make_again(path)}") from error
+
+
+def seal(path: Path) -> None:
+    """Write the checksum of a file beside it."""
+    write_text(seal_of(path), f"{regular.sha256(path)}  {path.name}\n")
 
 
 def seal_of(path: str | os.PathLike[str]) -> Path:

@@ -19,6 +19,9 @@ from ptl.files.schema import Misfit, parse_json
 MANIFEST = "manifest.json"
 """Name of the manifest in a report folder."""
 
+MADE = "made.json"
+"""Copy of it that a run leaves in results/<run>/, where nothing is checked out."""
+
 PACKAGES = ("ptl", "numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
 
 MOST_BYTES = 2**24

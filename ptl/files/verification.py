@@ -12,7 +12,7 @@ from ptl.files import regular
 from ptl.files.atomic import UNFINISHED
 from ptl.files.csv import broken_seal, seal_of
 from ptl.files.hdf5 import Node, read_file
-from ptl.files.manifest import MANIFEST, damages
+from ptl.files.manifest import MADE, MANIFEST, damages
 from ptl.files.manifest import read as read_manifest
 from ptl.files.outside import RECORD
 from ptl.files.question import code_faults, misplaced
@@ -22,6 +22,9 @@ from ptl.files.schema import KINDS
 
 TEXTS = {".csv", ".md", ".html", ".tex", ".svg", ".png", ".rst", ".json", ".yaml", ".txt"}
 """Suffixes of files that are no HDF5 file even in name."""
+
+REPORT = "report.html"
+"""Snakemake's report, which no rule makes."""
 
 
 def checkable(path: Path) -> list[Path]:
@@ -75,7 +78,13 @@ def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
         found = [f"cannot be read ({error.reason})"]
     except UserError as error:
         return [str(error)]
-    return [f"{path}: {fault}; {make_again(path)}" for fault in found]
+    again = f"make it again with 'snakemake --report {path}'" if path.name == REPORT else make_again(path)
+    return [f"{path}: {fault}; {again}" for fault in found]
+
+
+def made_beside(path: Path) -> Path | None:
+    """Return the copy of its manifest that the run of a result left above it, if it did."""
+    return next((folder / MADE for folder in path.absolute().parents if (folder / MADE).is_file()), None)
 
 
 def _faults_of_result(path: Path, current_code: bool) -> list[str]:

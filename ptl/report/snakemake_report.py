@@ -1,8 +1,11 @@
-"""Snakemake's own report: titles and labels stay text in it."""
+"""Snakemake's own report: titles and labels stay text in it, and a checksum is kept of it, as of other products."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
+
+from ptl.files.csv import seal
 
 
 def keep_texts() -> None:
@@ -14,6 +17,19 @@ def keep_texts() -> None:
 
     for name in [name for name in vars(data) if name.startswith("render_")]:
         setattr(data, name, _without_tags(getattr(data, name)))
+
+
+def keep_checksum() -> None:
+    """Put the checksum of Snakemake's report beside it: it is made after the manifest, and differs each time."""
+    from snakemake.report.html_reporter import Reporter
+
+    render = Reporter.render
+
+    def rendered(reporter: Reporter) -> None:
+        render(reporter)
+        seal(Path(reporter.settings.path))
+
+    Reporter.render = rendered
 
 
 def _without_tags(render: Callable[..., str]) -> Callable[..., str]:

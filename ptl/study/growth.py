@@ -45,7 +45,7 @@ def read_sizes(path: str | Path) -> np.ndarray:
     UserError
         When the file cannot be read or a run lacks a number of tasks that others have.
     """
-    frame = read_table(path, COLUMNS, counts=True)
+    frame = read_table(path, COLUMNS)
     sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
     if not sizes.size == len(frame) > 0 or sizes.columns.tolist() != list(range(sizes.shape[1])):
         raise UserError(f"{path}: runs with different numbers of tasks, or none; {make_again(path)}")

@@ -128,9 +128,9 @@ def library_bytes(states: Iterable[int], skills: Iterable[int] = STORED_SIZES) -
 
 def read_selection(path: str | Path) -> pd.DataFrame:
     """Read the table of `selection_operations`; errors as in `ptl.study.tables.read_table`."""
-    return read_table(path, SELECTION_COLUMNS, counts=True)
+    return read_table(path, SELECTION_COLUMNS)
 
 
 def read_storage(path: str | Path) -> pd.DataFrame:
     """Read the table of `library_bytes`; errors as in `ptl.study.tables.read_table`."""
-    return read_table(path, STORAGE_COLUMNS, counts=True)
+    return read_table(path, STORAGE_COLUMNS)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import ast
-import re
+import importlib
 import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
@@ -13,6 +12,7 @@ from projects import ROOT
 
 from ptl.errors import UserError
 from ptl.files import provenance
+from ptl.files.checkout import check_checkout
 
 
 def forget() -> None:
@@ -122,7 +122,17 @@ def test_stale_build_is_refused(package):
         provenance.check_build()
 
 
-def test_make_rebuilds_when_a_compiled_source_changes():
-    printed = subprocess.run(["make", "-pn", "help"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    [sources] = re.findall(r"^\.venv/\.built:(.*)$", printed, flags=re.M)
-    assert {f"ptl/{name}" for names in provenance.EXTENSIONS.values() for name in names} <= set(sources.split())
+def test_the_workflow_of_another_checkout_is_refused(tmp_path):
+    (tmp_path / "ptl").mkdir()
+    (tmp_path / "ptl/__init__.py").touch()
+    with pytest.raises(UserError, match=r"runs with the code in .* run 'make build' there"):
+        check_checkout(tmp_path / "workflow")
+    check_checkout(ROOT / "workflow")
+
+
+def test_make_rebuilds_when_a_compiled_source_changes(monkeypatch):
+    monkeypatch.syspath_prepend(ROOT)
+    make_venv = importlib.import_module("make_venv")
+    sources = {str(path.relative_to(ROOT)) for path in make_venv.sources("built")}
+    assert {f"ptl/{name}" for names in provenance.EXTENSIONS.values() for name in names} <= sources
+    assert "setup.py" in sources

@@ -16,10 +16,13 @@ from projects import Project
 
 from ptl.config import Configuration
 from ptl.errors import UserError
+from ptl.files.manifest import _content
 from ptl.files.question import SIDE_MAPS, asking, map_digest, question_of
 from ptl.files.records import check_records, write_record
 from ptl.files.results import read_result
 from ptl.world.gridworld import GridWorld
+
+PAIRED = "results and products paired with another run, all refused"
 
 CONFIG: dict[str, Any] = Configuration.from_dict(
     {
@@ -62,7 +65,10 @@ def test_a_file_of_the_run_is_read(life: Path) -> None:
         (question_of(CONFIG, {**MAPS, "rooms": "0" * 16}), "made on another map"),
     ],
 )
-def test_a_file_that_answers_another_question_is_refused(question: Any, fault: str, life: Path) -> None:
+def test_a_file_that_answers_another_question_is_refused(
+    question: Any, fault: str, life: Path, record_property: Callable[[str, int], None]
+) -> None:
+    record_property(PAIRED, 1)
     with asking(question), pytest.raises(UserError, match=fault):
         read_result(life)
     read_result(life)  # sound by itself
@@ -126,8 +132,12 @@ def test_products_with_their_records_are_accepted(run: dict[str, Any]) -> None:
     ],
 )
 def test_products_of_another_run_are_refused(
-    change: Callable[[dict[str, Any]], Any], fault: str, run: dict[str, Any]
+    change: Callable[[dict[str, Any]], Any],
+    fault: str,
+    run: dict[str, Any],
+    record_property: Callable[[str, int], None],
 ) -> None:
+    record_property(PAIRED, 1)
     change(run)
     with pytest.raises(UserError, match=fault):
         check_records(Path(), ["page"], **run)
@@ -156,3 +166,28 @@ def test_results_are_not_paired_with_another_configuration(tiny: Project) -> Non
         state.rename(tiny.folder / ".snakemake")
     assert set(tiny.waiting()) == {"manifest", "all"}  # only the manifest was given up
     tiny.make()
+
+
+def test_verify_holds_results_against_the_configuration_of_their_run(tiny: Project) -> None:
+    made = tiny.folder / "results/tiny/made.json"
+    whole = made.read_text()
+    assert "not held against" not in tiny.ptl("verify", "results/tiny").stdout
+    manifest = json.loads(whole)
+    manifest["config"]["learning"]["alpha"] = 0.7
+    manifest["content"] = _content(manifest)
+    try:
+        made.write_text(json.dumps(manifest))
+        done = tiny.ptl("verify", "results/tiny/learning")
+        assert done.returncode == 1 and "Traceback" not in done.stderr
+        assert "was made with learning.alpha 0.05, not 0.7" in done.stdout
+        del manifest["config"]["learning"], manifest["maps"]["rooms"]
+        manifest["content"] = _content(manifest)
+        made.write_text(json.dumps(manifest))
+        done = tiny.ptl("verify", "results/tiny/learning")
+        assert done.returncode == 1 and done.stderr.startswith("error: ") and done.stderr.count("\n") == 1
+        assert "names no map of rooms" in done.stderr
+        made.unlink()
+        done = tiny.ptl("verify", "results/tiny/learning")
+        assert done.returncode == 0 and "not held against the configuration of a run" in done.stdout
+    finally:
+        made.write_text(whole)

@@ -21,7 +21,7 @@ from ptl.files.arrays import write_arrays
 from ptl.files.results import open_learning, write_frequencies, write_learning
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.survey import subgoal_frequencies
-from ptl.report.figures import cells, figures, style
+from ptl.report.figures import cells, figures, left_out, style
 from ptl.report.figures.measures import trailing_mean
 from ptl.report.job import Job
 from ptl.study.growth import TwoSlopes
@@ -149,6 +149,10 @@ def test_every_module_of_the_registry_is_tested() -> None:
     assert {row.module for row in rows.values()} == {*INPUTS, "policy_reuse_experiment"}
     assert set(figures({**config, "methods": ["no_transfer"]}, article=True)) == set(rows) - {
         "figure04", "discovery_small", "figure13",
+    }  # fmt: skip
+    assert left_out(config, article=True) == {}
+    assert left_out({**config, "methods": ["no_transfer"]}, article=True) == {
+        "figure04": "ptl", "discovery_small": "ptl", "figure13": "ptl",
     }  # fmt: skip
     # away from the article's maps no figure has a number of the article, and none is about it or its sources
     own = figures(config, article=False)

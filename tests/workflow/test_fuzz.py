@@ -159,6 +159,29 @@ def test_a_key_given_twice_stops_the_workflow(tmp_path):
     assert "config/config.yaml: key seeds is given in lines 2 and" in line
 
 
+def test_more_jobs_than_can_be_planned_are_refused_in_bounded_memory(tmp_path):
+    project = Project(tmp_path, seeds=100_000)
+    done = project.snakemake("-n", preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (2**30, 2**30)))
+    [line] = errors_of(done)
+    assert "more than 40,000 learning jobs; split it" in line
+
+
+def test_the_cost_is_said_before_the_first_job(tmp_path):
+    assert "a whole run takes about 10 learning jobs" in Project(tmp_path).make("-n")
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "says"),
+    [
+        (("seeds",), 2.0, "seeds: 2.0 is not allowed; give a whole number"),
+        (("measures", "window"), 5.0, "measures.window: 5.0 is not allowed; give a whole number"),
+        (("measures", "window"), 201, "measures.window: 201 must not exceed learning.episodes (200)"),
+    ],
+)
+def test_whole_numbers_are_whole_and_windows_fit(path, value, says):
+    assert says in outcome(changed((path, value)))
+
+
 # -- maps -------------------------------------------------------------------------------------------------------
 
 

@@ -11,6 +11,7 @@ import pytest
 from projects import MAPS, ROOMS, Project, errors_of
 
 from ptl import methods
+from ptl.files.verification import faults_of
 
 # -- the smoke run ----------------------------------------------------------------------------------------------
 
@@ -84,6 +85,10 @@ def test_report_holds_the_products(tiny, tmp_path):
     printed = tiny.make("--report", str(tmp_path / "report.html"))
     assert "WARNING" not in printed and "rror in" not in printed, printed[-3000:]
     page = (tmp_path / "report.html").read_text()
+    assert faults_of(tmp_path / "report.html") == []
+    (tmp_path / "report.html").write_text(page + " ")
+    [fault] = faults_of(tmp_path / "report.html")
+    assert "damaged" in fault and "'snakemake --report " in fault
     for item in ("figure12.png", "table1.html", "claims.html"):
         assert item in page
 

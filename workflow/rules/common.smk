@@ -8,12 +8,15 @@ from pathlib import Path
 
 from ptl import methods
 from ptl.errors import UserError
+from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.manifest import sha256
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import SIDE_MAPS, about, map_digest, question_of
-from ptl.report.snakemake_report import keep_texts
+from ptl.report.figures import left_out
+from ptl.report.snakemake_report import keep_checksum, keep_texts
+from ptl.study.cost import FLAG, check_cost, cost_of
 from ptl.world.gridworld import load_map
 
 
@@ -24,6 +27,7 @@ def refuse(error):
 
 
 try:
+    check_checkout(Path(workflow.current_basedir).parent)
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
@@ -31,12 +35,16 @@ try:
     config.update(CONFIGURATION.to_dict())
     MAPS = {name: entry["map"] for name, entry in config["environments"].items()}
     MAPS.update(SIDE_MAPS if CONFIGURATION.article else {})
-    DIGESTS = {name: map_digest(load_map(path).text) for name, path in MAPS.items()}
+    WORLDS = {name: load_map(path) for name, path in MAPS.items()}
+    DIGESTS = {name: map_digest(world.text) for name, world in WORLDS.items()}
+    COST = cost_of(CONFIGURATION, WORLDS)
+    check_cost(COST, allowed=bool(os.environ.get(FLAG)))
 except UserError as error:
     refuse(error)
 
 if any(argument.startswith("--report") for argument in sys.argv):
     keep_texts()
+    keep_checksum()
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.
@@ -61,6 +69,11 @@ SECTIONS = (
     else ["Figures", "Tables", "Explorer"]
 )
 
+
+if workflow.is_main_process:
+    print(f"a whole run takes about {COST}", file=sys.stderr)
+    for figure, missing in left_out(config, ARTICLE).items():
+        print(f"{figure} is left out: it shows {missing}, which methods does not name", file=sys.stderr)
 
 pathvars:
     results=f"results/{config['run']}",

@@ -30,6 +30,9 @@ ARTICLE_NUMBERS = {
 ARTICLE_ONLY = {"misleading_prior", "policy_reuse_fv"}
 """Figures that are about the article and its sources, not about the environments of a run."""
 
+ALWAYS_SHOWN = {"no_transfer", "ptl"}
+"""Methods without which a run has not all figures."""
+
 
 @dataclass(frozen=True)
 class Figure:
@@ -209,6 +212,18 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         ARTICLE_NUMBERS.get(kind, kind) if article else kind: row
         for kind, row in rows.items()
         if set(row.methods) <= compared and (article or kind not in ARTICLE_ONLY)
+    }
+
+
+def left_out(config: Mapping[str, Any], article: bool) -> dict[str, str]:
+    """Return the figures that a run cannot have, each with the methods that it lacks for them."""
+    compared = list(config["methods"])
+    wanted = figures({**config, "methods": [*compared, *sorted(ALWAYS_SHOWN - set(compared))]}, article)
+    there = figures(config, article)
+    return {
+        name: ", ".join(m for m in row.methods if m not in compared)
+        for name, row in wanted.items()
+        if name not in there
     }
 
 

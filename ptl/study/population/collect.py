@@ -13,13 +13,12 @@ from ptl import methods
 from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.arrays import read_arrays
-from ptl.files.csv import read_csv
 from ptl.files.remedies import make_again
 from ptl.files.schema import LIVES
 from ptl.methods.beyond import reference
 from ptl.study.population.design import MAIN, Study
 from ptl.study.population.running import Cell
-from ptl.study.tables import read_table
+from ptl.study.tables import COUNT, read_table
 from ptl.world.population import BANDS, read_population
 
 KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
@@ -96,7 +95,11 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 
 def read_tasks(path: str | Path) -> pd.DataFrame:
     """Read the table of `per_task` back."""
-    return read_csv(path, dtype=dict.fromkeys(("family", "map", "sequence", "method"), str))
+    frame = read_table(path, TASK_COLUMNS)
+    frame["task"] = pd.to_numeric(frame["task"], errors="coerce")  # a number here, a letter elsewhere
+    if not COUNT.hold(frame["task"]):
+        raise UserError(f"{path}: column 'task' must hold {COUNT}; {make_again(path)}")
+    return frame
 
 
 def read_lives(path: str | Path) -> pd.DataFrame:
@@ -108,11 +111,6 @@ def read_lives(path: str | Path) -> pd.DataFrame:
         When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
     """
     frame = read_table(path, LIFE_COLUMNS)
-    for name in ("size", "seed", "total_steps", "optimum", "library_size"):
-        if not (pd.api.types.is_numeric_dtype(frame[name]) and (frame[name] >= 0).all()):
-            raise UserError(f"{path}: column {name!r} must hold numbers from 0 up")
-    for name in ("family", "map", "sequence", "method"):
-        frame[name] = frame[name].astype(str)
     for wrong, what in (
         (frame.duplicated(["family", "map", "size", "sequence", "method", "seed"]), "is there twice; give it once"),
         (frame["optimum"] <= 0, "has no optimum; give episodes x shortest paths of the tasks after the first"),

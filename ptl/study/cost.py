@@ -1,0 +1,132 @@
+"""What a run will take, estimated from its configuration and maps before anything is planned or learned.
+
+Rules of thumb, fitted to runs on the published maps, within a factor of about three: they shall keep someone from
+starting by accident what takes weeks, or more jobs than can be planned in memory.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ptl.config import Configuration
+from ptl.errors import UserError
+from ptl.text import number
+from ptl.world.gridworld import GridWorld
+
+START = 0.25
+"""CPU seconds of a job that are not learning."""
+
+STEPS_A_SECOND = 1e8
+SEARCH = 20
+"""Steps until a task is learned from nothing, in numbers of states times the length of the shortest path."""
+
+DEARER = {"full_transfer": 10}
+"""Methods that take many times the steps of learning from nothing, where the old policy leads astray."""
+
+SURVEY = 2e-9
+"""CPU seconds of the survey, for each trajectory and state cubed."""
+
+LEAST_BYTES, PLANNED_BYTES = 3e8, 20_000
+"""Memory of the packages themselves, and of Snakemake's graph for each job."""
+
+MOST_JOBS, MOST_HOURS, MOST_BYTES = 40_000, 500, 8 * 10**9
+"""Above one of these a run must be asked for: planning takes 1 GB; CPU hours; memory of one process."""
+
+FLAG = "PTL_LARGE_RUN"
+"""Environment variable that asks for it."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """About what a run takes.
+
+    Attributes
+    ----------
+    jobs : int
+        Jobs that learn; those that measure and draw are few.
+    steps : float
+        Steps of all lives.
+    hours : float
+        CPU hours.
+    memory : float
+        Bytes that planning or measuring takes, whichever takes more.
+    """
+
+    jobs: int
+    steps: float
+    hours: float
+    memory: float
+
+    def __str__(self) -> str:
+        return (
+            f"{number(self.jobs)} learning jobs, {number(self.steps / 1e6)} million steps, {self.hours:.1f} CPU hours,"
+            f" {self.memory / 1e9:.1f} GB of memory"
+        )
+
+
+def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
+    """Estimate what all jobs of a completed configuration take together.
+
+    Parameters
+    ----------
+    worlds : mapping
+        Map of each environment.
+    """
+    episodes, survey = run.learning.episodes, run.subgoal_frequencies
+    seeds = dict.fromkeys(run.methods, run.seeds)
+    deciding = {}
+    if run.article:
+        deciding = dict.fromkeys(run.methods, run.decision.seeds)
+        deciding |= {"full_transfer": run.decision.full_transfer_seeds, "no_transfer": run.decision.no_transfer_seeds}
+    steps, tasks, surveyed = 0.0, 0, 0.0
+    for name, entry in run.environments.items():
+        world = worlds[name]
+        life = sum(
+            _steps(world.n_states, world.shortest_path_length(world.start, world.goals[task]), run)
+            for task in entry.tasks
+        )
+        tasks += len(entry.tasks)
+        steps += life * sum((seeds[name] + deciding.get(name, 0)) * DEARER.get(name, 1) for name in seeds)
+        starts = world.n_states if survey.starts == "all" else min(survey.starts, world.n_states)
+        surveyed += SURVEY * survey.trajectories * starts * world.n_states**2
+    world = worlds[run.growth.environment]
+    lives = run.growth.runs + (run.decision.growth_runs if run.article else 0)
+    steps += lives * run.growth.tasks * _steps(world.n_states, int(world.diagonal), run)
+    learning = len(run.environments) * sum(seeds.values())
+    jobs = learning + run.growth.runs + len(run.environments) * survey.batches
+    return Cost(
+        jobs=jobs,
+        steps=steps,
+        hours=(START * jobs + steps / STEPS_A_SECOND + surveyed) / 3600,
+        memory=LEAST_BYTES + max(PLANNED_BYTES * jobs, 8 * sum(seeds.values()) * tasks * episodes),
+    )
+
+
+def _steps(states: int, distance: int, run: Configuration) -> float:
+    """Return about how many steps a task takes: some to find the goal, and each episode along the path found."""
+    learning = run.learning
+    walk = states * distance
+    along = min(walk, distance / (1 - learning.epsilon)) if learning.epsilon < 1 else walk
+    return min(SEARCH * walk + learning.episodes * along, float(learning.episodes * learning.max_steps))
+
+
+def check_cost(cost: Cost, allowed: bool) -> None:
+    """Refuse a run that is larger than most people mean, unless it was asked for.
+
+    Raises
+    ------
+    UserError
+        Naming the estimate, the limit and the ways on.
+    """
+    for found, limit, unit in (
+        (cost.jobs, MOST_JOBS, "learning jobs"),
+        (cost.hours, MOST_HOURS, "CPU hours"),
+        (cost.memory, MOST_BYTES, "bytes of memory"),
+    ):
+        if found > limit and not allowed:
+            raise UserError(
+                f"this run would take {cost} (estimated), more than {number(limit)} {unit}; split it into"
+                f" configurations with fewer seeds, each with its own 'run' and 'root_seed', or set"
+                f" {FLAG}=1 to run it as it is"
+            )
