@@ -81,7 +81,8 @@ with running(snakemake) as job:
         places,
         "Cost of each task against the number of tasks learned before",
         f"Cost of each task in its place of the life, tasks in {of_tasks} order (the article’s order on its maps)."
-        " Without memory of earlier tasks a curve changes with the tasks’ distance only.",
+        " Without memory of earlier tasks a curve changes with the tasks’ distance only. Methods without a curve were"
+        " not run in this order.",
     )
     if len(windings):
         picture(
