@@ -32,6 +32,9 @@ from ptl.study.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_COLUM
 from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.study.tables import read_table
 
+VALUES_AT_ONCE = 2**17
+"""Resampled values that are held at a time: they stay in the processor's cache, and memory is small."""
+
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
 
@@ -207,7 +210,9 @@ def _bootstrap(
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)
-    options = {"confidence_level": how.confidence, "paired": paired, "vectorized": True}
+    # Two samples draw from the stream in turn, batch by batch; one draws the same numbers whatever the batches are.
+    batch = max(1, VALUES_AT_ONCE // smallest) if paired or len(samples) == 1 else None
+    options = {"confidence_level": how.confidence, "paired": paired, "vectorized": True, "batch": batch}
     with warnings.catch_warnings():
         # scipy warns where BCa is undefined and gives NaN, which is handled here
         warnings.simplefilter("ignore", stats.DegenerateDataWarning)

@@ -122,6 +122,22 @@ def test_where_bca_is_undefined_the_interval_is_still_finite():
     assert found.low <= 5 <= found.high
 
 
+@pytest.mark.parametrize("at_once", [1, 100, 10**9])
+def test_resampling_in_parts_moves_no_bit(at_once: int, monkeypatch):
+    values = generator().exponential(size=(2, 23)) ** 3
+    expected = [
+        statistics.mean(values[0], HOW, generator()),
+        statistics.ratio_of_means(values[0], values[1], HOW, generator()),
+        statistics.probability_of_improvement(values[0], values[1], "lower", HOW, generator()),
+    ]
+    monkeypatch.setattr(statistics, "VALUES_AT_ONCE", at_once)
+    assert expected == [
+        statistics.mean(values[0], HOW, generator()),
+        statistics.ratio_of_means(values[0], values[1], HOW, generator()),
+        statistics.probability_of_improvement(values[0], values[1], "lower", HOW, generator()),
+    ]
+
+
 @pytest.mark.parametrize("number", [1, 4, 7, 30, 101])
 def test_interquartile_mean_is_that_of_scipy_to_the_bit(number: int):
     values = generator().exponential(size=(20, number)) ** 3
