@@ -286,7 +286,7 @@ def test_map_tutorial_works(tmp_path: Path) -> None:
     reports = tmp_path / "my-maps/yard/reports/yard"
     for name in ("index.html", "explorer.html", "figures/map_courtyard.png", "figures/discovery_courtyard.png"):
         assert (reports / name).stat().st_size > 0
-    assert "courtyard, task B (2 seeds: mean)" in printed["ptl metrics"]
+    assert "courtyard, task A (2 seeds: mean)" in printed["ptl metrics"]
     assert all(name in printed["python"] for name in methods.names())
 
 
