@@ -122,7 +122,8 @@ def local_sources(reference: str) -> tuple[Path, list[Path]]:
     while waiting:
         for name in _imports(waiting.pop(), root, reference):
             package, _, _ = name.partition(".")
-            if package == module.partition(".")[0] or not (installed or package == "ptl"):
+            own = package == module.partition(".")[0]
+            if package and (own or not (installed or package == "ptl")):
                 new = set(_files_of(name, root)) - found
                 found |= new
                 waiting += new
