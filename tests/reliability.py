@@ -27,8 +27,7 @@ from ptl.text import number
 PAGE = ROOT / "docs/reliability.md"
 BEGIN, END = "<!-- figures: python tests/reliability.py -->\n", "<!-- end of figures -->"
 
-TESTS = ("test_faults.py", "test_manifest.py", "test_fuzz.py", "test_hostile_calls.py", "test_texts.py",
-         "test_equal_everywhere.py")  # fmt: skip
+SLURM = "test_slurm.py"
 SEEDS = 10_000
 """Seeds of the estimate."""
 
@@ -41,16 +40,19 @@ def published() -> Configuration:
 
 
 def run_tests(folder: Path, slurm: bool) -> list[tuple[str, str]]:
-    """Run all tests, the slow ones too, and add up what they recorded; a failed test ends everything."""
+    """Run all tests that record a figure, the slow ones too, and add the figures up; a failed test ends everything."""
     counted: dict[str, int] = {}
     said: list[tuple[str, str]] = []
-    jobs = [(TESTS, "not slurm")] + ([(("test_slurm.py",), "slurm")] if slurm else [])
+    recording = [path for path in (ROOT / "tests").rglob("test_*.py") if "record_property" in path.read_text("utf-8")]
+    jobs = {"not slurm": [path for path in recording if path.name != SLURM]}
+    if slurm:
+        jobs["slurm"] = [path for path in recording if path.name == SLURM]
     passed = 0
-    for names, marker in jobs:
+    for marker, paths in jobs.items():
         results = folder / f"{marker}.xml"
         subprocess.run(
             [sys.executable, "-m", "pytest", "-q", "-m", marker, f"--junitxml={results}",
-             *(str(path) for name in names for path in (ROOT / "tests").rglob(name))],
+             *map(str, sorted(paths))],
             cwd=ROOT, check=True,
         )  # fmt: skip
         suite = ElementTree.parse(results).getroot()

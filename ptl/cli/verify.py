@@ -72,7 +72,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
         made = None if any_code or path.suffix != ".h5" else made_beside(path)
         if path.suffix == ".h5" and made is None:
             alone.append(path)
-        if made not in runs:
+        if made is not None and made not in runs:
             runs[made] = _question_of(made)
         # The settings of the robustness study are not in the manifest.
         question = {k: v for k, v in runs[made].items() if k != SETTING or path.parent.name != "robustness"}

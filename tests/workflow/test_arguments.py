@@ -46,7 +46,8 @@ FIT = ("fit", "--search", "fit.yaml", "--lives", "lives", "--output", "found", "
     ],
     ids=lambda arguments: " ".join(arguments)[-60:],
 )  # fmt: skip
-def test_absurd_arguments_are_refused_in_one_line(arguments, tmp_path, monkeypatch):
+def test_absurd_arguments_are_refused_in_one_line(arguments, tmp_path, monkeypatch, record_property):
+    record_property("absurd arguments of commands, all refused", 1)
     monkeypatch.chdir(tmp_path)
     shutil.copy(MAPS / "env3.txt", tmp_path)
     shutil.copy(ROOT / "config/fit.yaml", tmp_path)

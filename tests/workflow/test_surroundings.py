@@ -59,14 +59,7 @@ def test_an_account_that_may_not_start_threads_is_refused(monkeypatch):
 def test_a_run_touches_nothing_outside_its_folder(tmp_path):
     project, home = Project(tmp_path / "project"), tmp_path / "home"
     home.mkdir()
-    variables = {name: value for name, value in project.environment.items() if name not in {"XDG_CACHE_HOME"}}
-    for place in (home, home / "none/file"):
-        if place != home:
-            place.parent.write_text("")  # a home that cannot be made, not even by root
-        done = project.ptl(
-            "workflow", "-j2", "reports/tiny/figures/map_rooms.png", env=variables | {"HOME": str(place)}
-        )
-        assert done.returncode == 0, done.stderr[-2000:]
-        (project.folder / "reports/tiny/figures/map_rooms.png").unlink()
-        if place == home:
-            assert list(home.rglob("*")) == []
+    variables = {name: value for name, value in project.environment.items() if name != "XDG_CACHE_HOME"}
+    done = project.ptl("workflow", "-j2", "reports/tiny/figures/map_rooms.png", env=variables | {"HOME": str(home)})
+    assert done.returncode == 0, done.stderr[-2000:]
+    assert list(home.rglob("*")) == []

@@ -73,7 +73,11 @@ SECTIONS = (
 if workflow.is_main_process:
     print(f"a whole run takes about {COST}", file=sys.stderr)
     for figure, missing in left_out(config, ARTICLE).items():
-        print(f"{figure} is left out: it shows {missing}, which methods does not name", file=sys.stderr)
+        print(
+            f"{figure} is left out: it shows {missing}, which methods does not name",
+            file=sys.stderr,
+        )
+
 
 pathvars:
     results=f"results/{config['run']}",
