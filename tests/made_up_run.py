@@ -101,7 +101,7 @@ class MadeUpRun:
             worlds=worlds,
             steps=measured.steps,
             subgoals=pd.concat([measured.subgoals, self.more_subgoals], ignore_index=True),
-            growth=np.array([self.library_sizes * (1 + 0.01 * (run % 3)) for run in range(seeds)]),
+            growth=np.array([np.floor(self.library_sizes + run / seeds).astype(int) for run in range(seeds)]),
             selection_cost=self.selection,
             library_bytes=self.library_bytes,
             **settings_of(groups),

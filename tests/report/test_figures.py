@@ -38,7 +38,7 @@ MAP = """\
 """
 PARAMETERS = Parameters.from_dict({"learning": {"episodes": 30}, "subgoals": {"trajectories": 10}})
 SEEDS, RUNS = 5, 5
-TWO_SLOPES = TwoSlopes(bend=7, intercept=0.5, before=0.6, after=0.2)
+TWO_SLOPES = TwoSlopes(bend=7, intercept=0, before=3, after=1)
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -79,7 +79,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         {
             "run": np.repeat(np.arange(RUNS), len(tasks)),
             "tasks": np.tile(tasks, RUNS),
-            "library_size": np.concatenate([TWO_SLOPES(tasks) + run for run in range(RUNS)]),
+            "library_size": np.concatenate([TWO_SLOPES(tasks).astype(int) + run for run in range(RUNS)]),
         }
     ).to_csv(folder / "growth.csv", index=False)
     skills = np.array([1, 10, 100])
@@ -295,8 +295,8 @@ def test_measure_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
 def test_growth_numbers(frames: dict[str, pd.DataFrame]) -> None:
     frame = frames["growth"]
     np.testing.assert_allclose(frame["mean"], TWO_SLOPES(frame["tasks"].to_numpy()) + (RUNS - 1) / 2, rtol=1e-5)
-    assert frame["slope_before"].unique() == pytest.approx([0.6], rel=1e-5)
-    assert frame["slope_after"].unique() == pytest.approx([0.2], rel=1e-5)
+    assert frame["slope_before"].unique() == pytest.approx([TWO_SLOPES.before], rel=1e-5)
+    assert frame["slope_after"].unique() == pytest.approx([TWO_SLOPES.after], rel=1e-5)
 
 
 def test_library_cost_numbers(frames: dict[str, pd.DataFrame]) -> None:

@@ -320,7 +320,7 @@ def test_the_bend_of_the_growth_is_that_of_the_configuration(as_in_the_article):
         bend: judgement(run.evidence(groups=with_settings("growth", breakpoint=bend)), "growth").parts[1]
         for bend in (5, 10)
     }
-    assert slopes[5].estimate.value == pytest.approx(0.1 / 0.7)
+    assert slopes[5].estimate.value == pytest.approx(0.1 / 0.7, rel=0.01)  # sizes are whole
     assert slopes[10].estimate.value > 1.1 * slopes[5].estimate.value
     assert [part.outcome for part in slopes.values()] == [Outcome.HOLDS, Outcome.HOLDS]
     assert "after 5 tasks" in slopes[5].text
@@ -496,7 +496,7 @@ def test_files_give_the_verdicts_of_the_run_in_memory(files, as_in_the_article, 
 def test_editing_the_data_flips_the_verdict(files, as_in_the_article):
     table = pd.read_csv(files["per_seed"])
     rows = table.query("environment == 'env1' and task == 'F' and method == 'full_transfer'").index
-    table.loc[rows, "transfer_ratio"] *= -1
+    table.loc[rows, "transfer_ratio"] = table.loc[rows, "transfer_ratio"].abs().clip(upper=1)
     table.to_csv(files["per_seed"], index=False)
     judged = claims.judge(read_evidence(as_in_the_article.worlds, GROUPS, **files))
     changed = {j.claim.id: j.verdict for j in judged if j.verdict is not Verdict.REPRODUCED}

@@ -47,7 +47,7 @@ def test_workflow_passes_its_arguments_on(tmp_path: Path, monkeypatch: pytest.Mo
     """Without the ``--``, Snakemake takes the targets for configuration files."""
     passed: list[str] = []
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(workflow.os, "execv", lambda _, arguments: passed.extend(arguments))
+    monkeypatch.setattr(workflow.os, "execve", lambda _, arguments, environment: passed.extend(arguments))
     given = ["-j2", "--configfile", "a.yaml", "--", "--odd", "results/x.h5", "--", "--help"]
     CliRunner().invoke(workflow.command, given, catch_exceptions=False)
     assert passed[-len(given) :] == given
