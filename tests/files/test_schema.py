@@ -376,7 +376,7 @@ def test_other_files_are_named_as_what_they_are(tmp_path: Path, monkeypatch: pyt
     monkeypatch.chdir(tmp_path)
     for name, content in {"README.md": b"# Read me\n" * 30, "metrics.csv": b"a,b\n1,2\n", "empty": b""}.items():
         Path(name).write_bytes(content)
-        with pytest.raises(UserError, match="no result file|not a result file") as caught:
+        with pytest.raises(UserError, match=r"no result file|not a result file") as caught:
             inspect.callback((Path(name),))
         assert "remove" not in str(caught.value) and "snakemake" not in str(caught.value)
 
