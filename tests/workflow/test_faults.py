@@ -129,7 +129,7 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
     seconds = time.monotonic() - started
     hits = 0
     kills = itertools.cycle((kill_all, kill_snakemake_only, kill_one_job))
-    while hits < 9:
+    while hits < 6:
         if disturb(project, next(kills), seconds * chance.uniform(0.1, 0.5), *config):
             hits += 1
         else:  # complete too soon: lose a part of it
