@@ -15,7 +15,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-slurm test-sanitizers test-all lint format docs build clean lock FORCE
+.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -69,7 +69,10 @@ test-browser: $(TEST_TOOLS) build  ## Report and explorer in headless Chromium (
 	.venv/bin/python -m pytest -q -m browser
 
 test-slow: $(TEST_TOOLS) build  ## Tests that take minutes: kills, tutorials, other surroundings.
-	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m "slow and not slurm"
+	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m "slow and not exhaustive"
+
+test-exhaustive: $(TEST_TOOLS) build  ## Tests that take many minutes: repeated kills, another Python, one core.
+	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m exhaustive
 
 test-slurm: $(TEST_TOOLS) build  ## Tests on a Slurm cluster of one node, started here as root.
 	.venv/bin/python -m pytest -q -m slurm
@@ -87,7 +90,7 @@ test-sanitizers: $(TEST_TOOLS) build  ## Kernel, graph and survey under address 
 	  $(CURDIR)/.venv/bin/python -m pytest -q -p no:cacheprovider -n $(CORES) -m "not slow" tests/agent \
 	  tests/learning/test_survey.py tests/world/test_gridworld.py
 
-test-all: test test-slow test-browser test-slurm  ## All of them.
+test-all: test test-slow test-exhaustive test-browser test-slurm  ## All of them.
 
 lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .

@@ -156,6 +156,7 @@ def newer_pythons() -> list[str]:
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_the_newest_python_gives_the_same_results(reference, tmp_path, record_property):
     """Everything locked for running, installed anew under the newest Python; every byte but the recorded versions."""
     pythons = newer_pythons()

@@ -119,6 +119,7 @@ def test_killed_runs_end_in_the_same_bytes(undisturbed, tmp_path, record_propert
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_property):
     """Every product of the smoke run, killed in turn as a whole, without its jobs, and in one job."""
     chance = random.Random(f"{SEED} smoke")

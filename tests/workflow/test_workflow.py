@@ -125,6 +125,7 @@ def test_editing_the_kernel_demands_a_build(tiny):
 
 
 @pytest.mark.slow
+@pytest.mark.exhaustive
 def test_one_core_gives_the_same_bytes_as_two(tiny, tmp_path):
     other = Project(tmp_path)
     other.make(cores=1)
