@@ -23,7 +23,7 @@ def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path)
         assert rule in jobs
 
 
-APART = ("manifest.json", "*.sha256", "robustness/*", "first_reference/*", "fit/*", "benchmark.*", "scaling.*")
+APART = ("manifest.json", "*.sha256", "first_reference/*", "fit/*", "benchmark.*", "scaling.*")
 """Tracked files that are no products of the main run, or hold checksums themselves."""
 
 
