@@ -59,18 +59,21 @@ def walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray,
     table : uint32 array, shape (n_states * 2**bits,)
         Index of the first of the next state's entries; ``start`` and ``goal`` are such indices too.
     words : uint64 array, shape (k,)
-        Random words, used over and over, so that drawing them costs nothing.
+        Random words, so that drawing them costs nothing. They are used over and over, each time under another mask: the
+        very same words again could lead round in a circle for ever.
     """
     lookups, place, left = 0, 0, 0
     word, shift, mask = np.uint64(0), np.uint64(bits), np.uint64((1 << bits) - 1)
+    changed = np.uint64(0)
     for _ in range(episodes):
         index = np.uint64(start)
         while index != goal:
             if left == 0:
-                word = words[place]
+                word = words[place] ^ changed
                 place += 1
                 if place == len(words):
                     place = 0
+                    changed = changed * np.uint64(6364136223846793005) + np.uint64(1442695040888963407)
                 left = 64 // bits
             index = np.uint64(table[index + (word & mask)])
             word >>= shift

@@ -69,6 +69,15 @@ def test_first_episodes_have_the_length_of_a_random_walk(kind: type):
     assert steps / episodes == pytest.approx(expected, abs=4 * expected / episodes**0.5)
 
 
+@pytest.mark.skipif(not WALKS, reason="needs numba")
+def test_a_bare_walk_never_goes_round_in_a_circle():
+    """One word, used over and over, would push one wall for ever."""
+    walk = BareWalk(small_task(), 3)
+    *places, words = walk._arguments
+    walk._arguments = (*places, np.zeros_like(words[:1]))
+    assert walk.run(5) > 0
+
+
 @pytest.mark.parametrize("kind", INSTALLED)
 def test_all_learn_the_same_values(kind: type):
     contestant = kind(small_task(alpha=0.5, epsilon=1.0), 5)  # random steps come everywhere
