@@ -49,8 +49,11 @@ def command(arguments: tuple[str, ...]) -> None:
 
 def _hold_folder() -> None:
     """Lock the folder until this process and the Snakemake that takes its place have ended, however they end."""
-    HELD.parent.mkdir(exist_ok=True)
-    held = os.open(HELD, os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        HELD.parent.mkdir(exist_ok=True)
+        held = os.open(HELD, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise UserError(f"{HELD}: cannot be written ({error.strerror}); make this folder writable") from error
     try:
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

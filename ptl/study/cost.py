@@ -112,7 +112,7 @@ def _steps(states: int, distance: int, run: Configuration) -> float:
 
 
 def check_cost(cost: Cost, allowed: bool) -> None:
-    """Refuse a run that is larger than most people mean, unless it was asked for.
+    """Refuse a run that is larger than most people intend, unless it was asked for.
 
     Raises
     ------

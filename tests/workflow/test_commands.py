@@ -51,3 +51,10 @@ def test_workflow_passes_its_arguments_on(tmp_path: Path, monkeypatch: pytest.Mo
     given = ["-j2", "--configfile", "a.yaml", "--", "--odd", "results/x.h5", "--", "--help"]
     CliRunner().invoke(workflow.command, given, catch_exceptions=False)
     assert passed[-len(given) :] == given
+
+
+def test_workflow_needs_a_folder_that_it_can_write_to(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(".snakemake").write_text("no folder")
+    with pytest.raises(UserError, match=r"ptl\.lock: cannot be written"):
+        workflow.command.callback(())
