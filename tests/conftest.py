@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Iterator
 from typing import Any
@@ -10,6 +11,12 @@ import pytest
 from projects import MAPS, Project
 
 from ptl.world.gridworld import GridWorld, load_map
+
+
+def pytest_configure() -> None:
+    """Forget `make test`: a make that a test starts is a user's first, and prints what that prints."""
+    for name in ("MAKEFLAGS", "MAKELEVEL", "MFLAGS"):
+        os.environ.pop(name, None)
 
 
 @pytest.fixture(scope="session")

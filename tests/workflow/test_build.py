@@ -22,7 +22,7 @@ pytestmark = pytest.mark.slow
 PACKAGES = ("setuptools", "cython", "numpy", "click", "msgspec")
 """All that a build and `ptl --version` need; installing the rest is no different and takes minutes."""
 
-ENVIRONMENT = {name: value for name, value in os.environ.items() if name not in {"MAKEFLAGS", "PYTHONPATH"}}
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
 
 
 class Checkout:
