@@ -1,6 +1,6 @@
 # The second study: methods beyond the article's comparison, on maps that nobody chose.
 #
-#   maps -> lives (HDF5) -> a row for each life -> estimates, figures, tables, page
+#   maps -> lives (HDF5) -> a row for each life -> estimates, figures, tables, page -> manifest
 #
 # A workflow of its own, apart from the reproduction: `make beyond` runs it.
 
@@ -15,18 +15,14 @@ from ptl.errors import UserError
 from ptl.files.atomic import remove_unfinished
 from ptl.files.checkout import check_checkout
 from ptl.files.configuration import read_yaml
-from ptl.files.provenance import check_build, code_digest
 from ptl.files.outside import learning_code
+from ptl.files.provenance import check_build, code_digest
+from ptl.files.question import digest_of
+from ptl.files.schema import LEARNING, LIVES
 from ptl.methods import identifier
 from ptl.methods.beyond import reference
-from ptl.study.population.design import (
-    Study,
-    cells,
-    job_of,
-    maps_of,
-    method_digest,
-    shown,
-)
+from ptl.study.cost import FLAG, check_cost, cost_of_lives
+from ptl.study.population import design
 
 min_version("9.27")
 
@@ -42,14 +38,38 @@ try:
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
-    STUDY = Study.read(config)
+    STUDY = design.Study.read(config)
+    ENTRIES = design.entries_of(STUDY)
+    WORLDS = design.given_worlds(STUDY)
+    DIGESTS = design.map_digests(STUDY, ENTRIES, WORLDS)
+    CELLS = {cell.name: cell for cell in design.cells(STUDY)}
+    JOBS = {
+        name: design.job_of(cell, STUDY, DIGESTS[name]) for name, cell in CELLS.items()
+    }
+    LIVED = ()
+    if STUDY.foreign_lives:
+        from ptl.study.population.collect import foreign_lives
+
+        LIVED = set(foreign_lives(STUDY)["family"])
+    COST = cost_of_lives(JOBS.values(), ENTRIES, WORLDS)
+    check_cost(COST, allowed=bool(os.environ.get(FLAG)))
 except UserError as error:
     print(f"error: {error}", file=sys.stderr, flush=True)
     os._exit(1)
 
-CELLS = {cell.name: cell for cell in cells(STUDY)}
+if workflow.is_main_process:
+    print(f"the study takes about {COST}", file=sys.stderr)
+
+QUESTION = design.question_of(STUDY, DIGESTS)
 SHOWN = {identifier(name): name for name in map(reference, STUDY.explorer.methods)}
 LEARNED = expand("<results>/lives/{cell}.h5", cell=CELLS)
+
+
+def codes():
+    """Digests of the code of all rules so far that have one for all their jobs."""
+    found = {each.name: each.params.get("code") for each in workflow.rules}
+    return {name: code for name, code in found.items() if isinstance(code, str)}
+
 
 shell.prefix(
     "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MPLBACKEND=Agg; "
@@ -77,8 +97,7 @@ rule beyond:
     # the lives come first: the products are tracked, and asking for them alone would be content with what is there
     input:
         LEARNED,
-        f"reports/{STUDY.run}/index.html",
-        [f"reports/{STUDY.run}/explorer.html"] if SHOWN else [],
+        lambda wildcards: rules.check_study.output,
 
 
 rule lives:
@@ -88,7 +107,11 @@ rule lives:
 
 rule learn_lives:
     input:
-        lambda wildcards: maps_of(CELLS[wildcards.cell], STUDY),
+        lambda wildcards: (
+            STUDY.population
+            if CELLS[wildcards.cell].size
+            else CELLS[wildcards.cell].maps
+        ),
     output:
         "<results>/lives/{cell}.h5",
     log:
@@ -98,10 +121,8 @@ rule learn_lives:
     conda:
         "envs/ptl.yaml"
     params:
-        job=lambda wildcards: json.dumps(
-            job_of(CELLS[wildcards.cell], STUDY), sort_keys=True
-        ),
-        code=lambda wildcards: method_digest(CELLS[wildcards.cell].method),
+        job=lambda wildcards: json.dumps(JOBS[wildcards.cell], sort_keys=True),
+        code=lambda wildcards: design.method_digest(CELLS[wildcards.cell].method),
     message:
         "Learning the lives {wildcards.cell}"
     shell:
@@ -119,6 +140,7 @@ rule collect_lives:
     conda:
         "envs/ptl.yaml"
     params:
+        asked={LIVES: QUESTION[LIVES]},
         code=code_digest("ptl.study.population.collect"),
     message:
         "Collecting all lives"
@@ -134,6 +156,7 @@ rule report_beyond:
         population=STUDY.population,
     output:
         page="<reports>/index.html",
+        parts=expand("<reports>/{file}", file=design.report_files(STUDY, LIVED)),
     log:
         "<logs>/report_beyond.log",
     conda:
@@ -172,7 +195,7 @@ rule write_maps:
         "ptl population {input:q} --maps {output:q} --band {params.band} --size {params.size} 2> {log:q}"
 
 
-rule learn_shown:
+rule learn:
     input:
         rules.write_maps.output,
     output:
@@ -197,7 +220,7 @@ rule explore_lives:
     input:
         expand(
             "<results>/learning/{map}/{method}/seed_000.h5",
-            map=shown(STUDY),
+            map=design.shown(STUDY),
             method=SHOWN,
         ),
     output:
@@ -207,6 +230,7 @@ rule explore_lives:
     conda:
         "envs/ptl.yaml"
     params:
+        asked={LEARNING: QUESTION[LEARNING]},
         study=STUDY.to_dict(),
         code=code_digest(
             "ptl.report.explorer.data",
@@ -217,3 +241,30 @@ rule explore_lives:
         "Building the explorer of some lives"
     script:
         "scripts/explore_lives.py"
+
+
+rule check_study:
+    input:
+        rules.collect_lives.output.lives,
+        rules.report_beyond.output,
+        rules.explore_lives.output if SHOWN else [],
+    output:
+        manifest="<reports>/manifest.json",
+        # tells products that were made here from those that were checked out
+        made="<results>/made.json",
+        # is missing as long as no manifest was written for this configuration, these maps and this code
+        checked=f"<results>/checked/{digest_of(STUDY.to_dict(), DIGESTS, codes())}",
+    log:
+        "<logs>/check_study.log",
+    conda:
+        "envs/ptl.yaml"
+    params:
+        config=json.dumps(STUDY.to_dict()),
+        maps=DIGESTS,
+        asked=QUESTION,
+        codes=codes(),
+        code=code_digest("ptl.files.manifest", "ptl.files.records"),
+    message:
+        "Holding all products against the study"
+    script:
+        "scripts/manifest.py"

@@ -14,7 +14,7 @@ from ptl.cli._arguments import Json
 @click.option(
     "--job",
     required=True,
-    type=Json(cell=dict, parameters=dict, population=str, root_seed=int),
+    type=Json(cell=dict, maps=str, parameters=dict, population=str, root_seed=int),
     help="The cell of the study as JSON, as the workflow passes it.",
 )
 @click.option("--code", default="", help="Digest of the sources, to be kept in the file.")

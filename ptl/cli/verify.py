@@ -46,7 +46,6 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     from ptl.files.comparison import NothingToCompareError, compare, reference
     from ptl.files.manifest import MADE, MANIFEST, read
     from ptl.files.question import asking
-    from ptl.files.schema import SETTING
     from ptl.files.verification import checkable, faults_of, made_beside, unchecked
 
     if against is not None:
@@ -74,9 +73,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
             alone.append(path)
         if made is not None and made not in runs:
             runs[made] = _question_of(made)
-        # The settings of the robustness study are not in the manifest.
-        question = {k: v for k, v in runs[made].items() if k != SETTING or path.parent.name != "robustness"}
-        with asking(question):
+        with asking(runs[made]):
             faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
     for fault in faults:
         click.echo(printable(fault))
@@ -104,15 +101,26 @@ def _question_of(made: Path) -> Question:
     from ptl.errors import UserError
     from ptl.files.manifest import read
     from ptl.files.question import SIDE_MAPS, asked_jobs, question_of
+    from ptl.files.schema import SETTING
+    from ptl.keys import ConfigurationError
     from ptl.study.decision import decision_jobs
+    from ptl.study.population import design
+    from ptl.study.robustness import design as robustness
 
     manifest = read(made)
-    run = Configuration.from_dict(manifest["config"])
-    config, maps = run.to_dict(), manifest.get("maps", {})
-    for name in (*run.environments, *(SIDE_MAPS if run.article else ())):
-        if name not in maps:
-            raise UserError(f"{made}: names no map of {name}; remove it and run the workflow again")
-    question = question_of(config, maps)
-    if not run.article:
-        return question
-    return {**question, **asked_jobs(decision_jobs(config), {name: maps[name] for name in config["environments"]})}
+    config, maps = manifest["config"], manifest.get("maps", {})
+    try:
+        if "population" in config:
+            return design.question_of(design.Study.from_dict(config), maps)
+        settings = config.pop("study", None)
+        run = Configuration.from_dict(config)
+        own = {name: maps[name] for name in run.environments}
+        if settings is not None:
+            jobs = robustness.jobs_of(robustness.Study.from_dict(settings), run.to_dict())
+            return asked_jobs(SETTING, jobs, maps=own)
+        question = question_of(run.to_dict(), {**own, **{name: maps[name] for name in SIDE_MAPS if run.article}})
+        return {**question, **(asked_jobs(SETTING, decision_jobs(run.to_dict()), maps=own) if run.article else {})}
+    except KeyError as error:
+        raise UserError(f"{made}: names no map of {error.args[0]}; remove it and run the workflow again") from error
+    except ConfigurationError as error:
+        raise UserError(f"{made}: cannot be a run's ({error}); remove it and run the workflow again") from error

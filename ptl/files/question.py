@@ -34,7 +34,9 @@ READS = {
 }
 """Groups of hyper-parameters that each kind of job depends on."""
 
-RULES = {LEARNING: "learn", GROWTH: "grow", FREQUENCIES: "survey_batch", GAIN: "learn_fv", SETTING: "decide"}
+RULES = {
+    LEARNING: "learn", GROWTH: "grow", FREQUENCIES: "survey_batch", GAIN: "learn_fv", SETTING: "decide", LIVES: "learn_lives",
+}  # fmt: skip
 """Rules that make each kind of file."""
 
 MISLEADING, POLICY_REUSE = "misleading_prior", "fernandez_veloso"
@@ -52,7 +54,7 @@ FOLDERS = (
 )  # fmt: skip
 """Folders below results/<run>/ that hold files of one kind."""
 
-NAMED_BY = {GAIN: "arm", SETTING: "setting", FIT: "setting"}
+NAMED_BY = {GAIN: "arm", SETTING: "setting", FIT: "setting", LIVES: "place"}
 """Attribute that gives a file its name."""
 
 Question = Mapping[str, Mapping[str, Any]]
@@ -104,9 +106,17 @@ def about(question: Mapping[str, Any], environments: Iterable[str]) -> dict[str,
     return {**question, **{name: {k: v for k, v in part.items() if k in kept} for name, part in parts.items()}}
 
 
-def asked_jobs(jobs: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Return the question that settings answer: their jobs by name, as `ptl.study.robustness.running` takes them."""
-    return json.loads(json.dumps({SETTING: {"jobs": jobs, "maps": maps}}))
+def asked_jobs(kind: str, jobs: Mapping[str, Any], **shared: Any) -> dict[str, dict[str, Any]]:
+    """Return the question that files of whole jobs answer: settings, and lives of the second study.
+
+    Parameters
+    ----------
+    jobs : mapping
+        Job of each file by the file's name.
+    **shared
+        What all jobs have in common; ``maps`` has the digest of each environment's map.
+    """
+    return json.loads(json.dumps({kind: {"jobs": jobs, **shared}}))
 
 
 @contextmanager
@@ -151,8 +161,8 @@ def anew(path: Path, root: Node) -> str:
 def _other_question(root: Node, asked: Mapping[str, Any]) -> Iterator[str]:
     """Yield in what a file differs from what was asked."""
     attrs, kind = root.attrs, root.attrs["format"]
-    if kind == SETTING:
-        yield from _other_job(attrs, asked)
+    if "jobs" in asked:
+        yield from _other_job(attrs, asked, attrs[NAMED_BY[kind]])
         return
     if attrs["root_seed"] != asked["root_seed"]:
         yield f"was made with the root_seed {attrs['root_seed']}, not {asked['root_seed']}"
@@ -191,15 +201,15 @@ def _work(root: Node, asked: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]
         yield "starts", root.attrs["starts"], wanted
 
 
-def _other_job(attrs: Mapping[str, Any], asked: Mapping[str, Any]) -> Iterator[str]:
-    job, wanted = attrs["job"], asked["jobs"].get(attrs["setting"])
-    if wanted is None:
-        yield f"holds the job {attrs['setting']}, which is not in the run"
+def _other_job(attrs: Mapping[str, Any], asked: Mapping[str, Any], named: str) -> Iterator[str]:
+    if named not in asked["jobs"]:
+        yield f"holds the job {named}, which is not in the run"
         return
+    wanted = {name: value for name, value in asked.items() if name not in {"jobs", "maps"}} | asked["jobs"][named]
     for name in wanted:
-        if job.get(name) != wanted[name]:
+        if attrs["job"].get(name) != wanted[name]:
             yield f"was made with another value of {name}"
-    for environment, text in attrs["maps"].items():
+    for environment, text in attrs.get("maps", {}).items():
         entry = wanted["environments"].get(environment, {})
         if not entry.get("changes") and asked["maps"].get(environment) != map_digest(text):
             yield f"was made on another map of {environment}"
@@ -272,9 +282,7 @@ def misplaced(path: Path, root: Node) -> Iterator[str]:
         name = attrs["environment"]
         expected = (f"{name}.h5",) if batch is None else (name, f"batch_{batch}.h5")
     elif kind in NAMED_BY:
-        expected = (f"{attrs[NAMED_BY[kind]]}.h5",)
-    elif kind == LIVES:
-        expected = Path(f"{attrs['place']}.h5").parts
+        expected = Path(f"{attrs[NAMED_BY[kind]]}.h5").parts
     elif kind == STEPS:
         expected = ("steps.h5",)
     elif parts[-1] == "steps.h5" or any(folder in folders for folder in FOLDERS):

@@ -133,11 +133,20 @@ def _other_settings(
     record: _Record, config: Mapping[str, Any], question: Question, codes: Mapping[str, str]
 ) -> Iterator[tuple[str, str]]:
     """Yield settings of a job that differ from those of the run, and the rule that has to run again."""
-    for kind, asked in record.params.get("asked", {}).items() if record.rule != "judge_setting" else ():
+    for kind, asked in record.params.get("asked", {}).items():
         wanted = about(question[kind], asked.get("maps", ()))
+        learned_by = RULES[kind]
+        if record.rule == "judge_setting":  # each judges one of the study's settings
+            wanted = {**wanted, "jobs": {name: wanted["jobs"].get(name) for name in asked["jobs"]}}
+            learned_by = "learn_setting"
         if asked != wanted:
-            yield _difference(asked, wanted), RULES[kind]
-    whole = {"groups": config, "environments": config["environments"], "foreign": config["foreign_results"]}
+            yield _difference(asked, wanted), learned_by
+    whole = {
+        "groups": config,
+        "study": config,
+        "environments": config.get("environments", {}),
+        "foreign": config.get("foreign_results", {}),
+    }
     for name, wanted in whole.items():
         for key, value in record.params.get(name, {}).items():
             if value != wanted.get(key):

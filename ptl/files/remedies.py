@@ -16,6 +16,9 @@ MOST_BYTES = 2**20
 BEYOND = "beyond"
 """Name of the second study, which is a workflow of its own; its configuration files begin with it."""
 
+APART = ("robustness", "fit")
+"""Folders of what is made only if it is asked for by this name."""
+
 FOREIGN = "it belongs to no run of this folder, so name another file or make it again where it came from"
 """Remedy for a file that the workflow in this folder does not make."""
 
@@ -80,7 +83,9 @@ def force(path: str | os.PathLike[str], *rules: str) -> str:
     if not is_product(path):
         return FOREIGN
     forced = f"--forcerun {' '.join(rules)}" if rules else "--forceall"
-    return f"run 'snakemake --cores 1{_chosen(path)} {forced}' to make it and all like it again"
+    study = _inside(path).parts[2]
+    target = f" {study}" if study in APART else ""
+    return f"run 'snakemake{target} --cores 1{_chosen(path)} {forced}' to make it and all like it again"
 
 
 def make(path: str | os.PathLike[str]) -> str:

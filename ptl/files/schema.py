@@ -384,7 +384,7 @@ KINDS = {
                     Attribute("place", "text", "path of the file below the folder of lives, without the suffix"),
                     Attribute(
                         "job", "json", "everything that the lives were learned from",
-                        keys={"cell": dict, "root_seed": int, "population": str, "parameters": dict},
+                        keys={"cell": dict, "maps": str, "root_seed": int, "population": str, "parameters": dict},
                     ),
                     _METHOD,
                     _CODE,

@@ -23,6 +23,9 @@ from ptl.files.schema import KINDS
 TEXTS = {".csv", ".md", ".html", ".tex", ".svg", ".png", ".rst", ".json", ".yaml", ".txt"}
 """Suffixes of files that are no HDF5 file even in name."""
 
+SETTINGS = "robustness"
+"""Folder of the robustness study in results/<run>/."""
+
 REPORT = "report.html"
 """Snakemake's report, which no rule makes."""
 
@@ -83,8 +86,12 @@ def faults_of(path: Path, *, current_code: bool = True) -> list[str]:
 
 
 def made_beside(path: Path) -> Path | None:
-    """Return the copy of its manifest that the run of a result left above it, if it did."""
-    return next((folder / MADE for folder in path.absolute().parents if (folder / MADE).is_file()), None)
+    """Return the copy of its manifest that the run of a result left above it, if it did.
+
+    The settings of the robustness study have their own in their folder, if that study was made.
+    """
+    above = path.absolute().parents if path.parent.name != SETTINGS else path.absolute().parents[:1]
+    return next((folder / MADE for folder in above if (folder / MADE).is_file()), None)
 
 
 def _faults_of_result(path: Path, current_code: bool) -> list[str]:

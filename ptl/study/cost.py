@@ -6,16 +6,21 @@ starting by accident what takes weeks, or more jobs than can be planned in memor
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
-from ptl.config import Configuration
+from ptl.config import Configuration, Learning
 from ptl.errors import UserError
 from ptl.text import number
 from ptl.world.gridworld import GridWorld
+from ptl.world.population import Entry
 
 START = 0.25
 """CPU seconds of a job that are not learning."""
+
+LIFE = 0.05
+"""CPU seconds of a life that are not steps: subgoals and skills."""
 
 STEPS_A_SECOND = 1e8
 SEARCH = 20
@@ -79,33 +84,96 @@ def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
     if run.article:
         deciding = dict.fromkeys(run.methods, run.decision.seeds)
         deciding |= {"full_transfer": run.decision.full_transfer_seeds, "no_transfer": run.decision.no_transfer_seeds}
-    steps, tasks, surveyed = 0.0, 0, 0.0
+    steps, lives, tasks, surveyed = 0.0, 0, 0, 0.0
     for name, entry in run.environments.items():
         world = worlds[name]
-        life = sum(
-            _steps(world.n_states, world.shortest_path_length(world.start, world.goals[task]), run)
-            for task in entry.tasks
-        )
+        life = _life(world, entry.tasks, run.learning)
         tasks += len(entry.tasks)
-        steps += life * sum((seeds[name] + deciding.get(name, 0)) * DEARER.get(name, 1) for name in seeds)
+        for method, own in seeds.items():
+            lives += own + deciding.get(method, 0)
+            steps += life * (own + deciding.get(method, 0)) * DEARER.get(method, 1)
         starts = world.n_states if survey.starts == "all" else min(survey.starts, world.n_states)
         surveyed += SURVEY * survey.trajectories * starts * world.n_states**2
     world = worlds[run.growth.environment]
-    lives = run.growth.runs + (run.decision.growth_runs if run.article else 0)
-    steps += lives * run.growth.tasks * _steps(world.n_states, int(world.diagonal), run)
+    grown = run.growth.runs + (run.decision.growth_runs if run.article else 0)
+    steps += grown * run.growth.tasks * _steps(world.n_states, world.diagonal, run.learning)
     learning = len(run.environments) * sum(seeds.values())
     jobs = learning + run.growth.runs + len(run.environments) * survey.batches
     return Cost(
         jobs=jobs,
         steps=steps,
-        hours=(START * jobs + steps / STEPS_A_SECOND + surveyed) / 3600,
+        hours=_hours(jobs, lives + grown, steps) + surveyed / 3600,
         memory=LEAST_BYTES + max(PLANNED_BYTES * jobs, 8 * sum(seeds.values()) * tasks * episodes),
     )
 
 
-def _steps(states: int, distance: int, run: Configuration) -> float:
+def cost_of_settings(jobs: Iterable[Mapping[str, Any]], worlds: Mapping[str, GridWorld]) -> Cost:
+    """Estimate what the settings of the robustness study take together, each in one job.
+
+    Parameters
+    ----------
+    jobs : iterable of mapping
+        As `ptl.study.robustness.design.job_of` makes them.
+    worlds : mapping
+        Map of each environment, before a setting changes it.
+    """
+    number_of_jobs, lives, steps = 0, 0, 0.0
+    for job in jobs:
+        number_of_jobs += 1
+        learning, growth = Learning.from_dict(job["parameters"]["learning"]), job["growth"]
+        lives += job["seeds"] * len(job["methods"]) * len(job["environments"]) + growth["runs"]
+        for name, entry in job["environments"].items():
+            taken = job["seeds"] * _life(worlds[name], entry["tasks"], learning)
+            steps += sum(min(taken * DEARER.get(method, 1), job["step_budget"]) for method in job["methods"])
+        world = worlds[growth["environment"]]
+        steps += growth["runs"] * growth["tasks"] * _steps(world.n_states, world.diagonal, learning)
+    return _together(number_of_jobs, lives, steps)
+
+
+def cost_of_lives(
+    jobs: Iterable[Mapping[str, Any]], entries: Mapping[tuple[str, int], Entry], worlds: Mapping[str, GridWorld]
+) -> Cost:
+    """Estimate what the lives of the second study take together.
+
+    Parameters
+    ----------
+    jobs : iterable of mapping
+        As `ptl.study.population.design.job_of` makes them.
+    entries : mapping
+        Row of each generated map by family and seed.
+    worlds : mapping
+        Other maps by their path.
+    """
+    number_of_jobs, lives, steps = 0, 0, 0.0
+    for job in jobs:
+        number_of_jobs += 1
+        cell, learning = job["cell"], Learning.from_dict(job["parameters"]["learning"])
+        lives += cell["seeds"] * len(cell["maps"])
+        for place in cell["maps"]:
+            if cell["size"]:
+                entry = entries[cell["family"], place]
+                taken = sum(_steps(entry.states, length, learning) for length in entry.shortest_paths)
+            else:
+                taken = _life(worlds[place], cell["tasks"] or "".join(worlds[place].goals), learning)
+            steps += cell["seeds"] * taken * DEARER.get(cell["method"], 1)
+    return _together(number_of_jobs, lives, steps)
+
+
+def _together(jobs: int, lives: int, steps: float) -> Cost:
+    return Cost(jobs, steps, _hours(jobs, lives, steps), LEAST_BYTES + PLANNED_BYTES * jobs)
+
+
+def _hours(jobs: int, lives: int, steps: float) -> float:
+    return (START * jobs + LIFE * lives + steps / STEPS_A_SECOND) / 3600
+
+
+def _life(world: GridWorld, tasks: str, learning: Learning) -> float:
+    lengths = [world.shortest_path_length(world.start, world.goals[task]) for task in tasks]
+    return sum(_steps(world.n_states, length, learning) for length in lengths)
+
+
+def _steps(states: int, distance: float, learning: Learning) -> float:
     """Return about how many steps a task takes: some to find the goal, and each episode along the path found."""
-    learning = run.learning
     walk = states * distance
     along = min(walk, distance / (1 - learning.epsilon)) if learning.epsilon < 1 else walk
     return min(SEARCH * walk + learning.episodes * along, float(learning.episodes * learning.max_steps))

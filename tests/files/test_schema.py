@@ -79,7 +79,7 @@ def write_lives(path: Path) -> None:
     map_file = path.parents[3] / "rooms.txt"
     map_file.write_text(ROOMS.text)
     cell = Cell("rooms", 0, "article", [str(map_file)], 2, "ptl", tasks="AB")
-    job = {"cell": asdict(cell), "root_seed": 1, "population": "", "parameters": QUICK.to_dict()}
+    job = {"cell": asdict(cell), "maps": "", "root_seed": 1, "population": "", "parameters": QUICK.to_dict()}
     run_cell(job, path, lives_code("ptl.methods.ptl"))
 
 

@@ -200,7 +200,7 @@ def test_lives_of_a_job_are_those_that_the_library_learns(tmp_path: Path):
     paths = []
     for cell in cells(study):
         paths.append(tmp_path / f"{cell.name}.h5")
-        run_cell(json.loads(json.dumps(job_of(cell, study))), paths[-1], method_digest(cell.method))
+        run_cell(json.loads(json.dumps(job_of(cell, study, "0" * 16))), paths[-1], method_digest(cell.method))
         assert faults_of(paths[-1]) == []
     assert faults_of(paths[0].rename(paths[0].with_stem("moved"))) != []
     paths[0].with_stem("moved").rename(paths[0])

@@ -6,7 +6,6 @@ import copy
 import json
 import re
 from pathlib import Path
-from typing import NoReturn
 
 import numpy as np
 import pandas as pd
@@ -32,8 +31,8 @@ from ptl.study.robustness.design import (
     REFERENCE,
     Setting,
     Study,
-    StudyJobs,
     job_of,
+    jobs_of,
 )
 from ptl.study.robustness.running import read_setting, run_setting
 from ptl.study.robustness.verdicts import NOT_VARIED, load_setting, target_frame, verdict_frame
@@ -116,16 +115,11 @@ def test_every_job_is_one_that_the_learner_accepts(content: dict, config: dict) 
     assert config["learning"]["max_steps"] == 10**7, "the run's configuration is left alone"
 
 
-def test_jobs_of_the_workflow_are_those_of_the_study(content: dict, config: dict, tmp_path: Path) -> None:
-    def fail(error: UserError) -> NoReturn:
-        raise SystemExit(f"refused: {error}")
-
-    jobs = StudyJobs(CONFIG / "robustness.yaml", config, fail)
+def test_jobs_of_the_workflow_are_those_of_the_study(content: dict, config: dict) -> None:
     study = Study.from_dict(content)
-    assert list(jobs.by_name) == [setting.name for setting in study.settings()]
-    assert jobs.by_name["reference_1"] == job_of(Setting("reference_1", REFERENCE), study, config)
-    with pytest.raises(SystemExit, match=r"refused: .*none\.yaml"):
-        _ = StudyJobs(tmp_path / "none.yaml", config, fail).by_name
+    jobs = jobs_of(study, config)
+    assert list(jobs) == [setting.name for setting in study.settings()]
+    assert jobs["reference_1"] == job_of(Setting("reference_1", REFERENCE), study, config)
 
 
 # -- worlds ----------------------------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ FIT = ("fit", "--search", "fit.yaml", "--lives", "lives", "--output", "found", "
         *((*command, text) for command in (ROBUSTNESS, LIVES) for text in ("{", "{}", "[]", "1", "[" * 10**5)),
         (*ROBUSTNESS, '{"setting": "a", "environments": {}, "methods": ["none"], "seeds": 1, "root_seed": 1,'
                       ' "parameters": {}, "step_budget": 1, "growth": {}}'),
-        (*LIVES, '{"cell": {"family": 1}, "parameters": {}, "population": "", "root_seed": 1}'),
+        (*LIVES, '{"cell": {"family": 1}, "maps": "", "parameters": {}, "population": "", "root_seed": 1}'),
         (*FIT, "{"), (*FIT, "{}"), (*FIT[:2], "none", *FIT[3:], "{}"),
         ("readme",), ("config-docs", "none"), ("population", "--maps", "folder", "none"), ("show-map", "{"),
         ("inspect", "[0-99999999999]"), ("verify", "[0-99999999999]"), ("metrics", "{"),

@@ -1,6 +1,7 @@
 # The verdict on every claim of the article: from the runs of the tables, and from many more that decide it.
 
 from ptl.files.question import asked_jobs
+from ptl.files.schema import SETTING
 from ptl.study.decision import decision_jobs
 
 DECISIONS = decision_jobs(config)
@@ -63,7 +64,7 @@ rule judge_claims:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth", "decision"),
-        asked=asked_jobs(DECISIONS, map_digests()),
+        asked=asked_jobs(SETTING, DECISIONS, maps=map_digests()),
         environments=entries(),
         code=code_digest("ptl.study.decision", "ptl.report.ledger"),
     message:

@@ -53,7 +53,10 @@ rule manifest:
     params:
         config=json.dumps(config),
         maps=DIGESTS,
-        asked={**QUESTION, **(asked_jobs(DECISIONS, map_digests()) if ARTICLE else {})},
+        asked={
+            **QUESTION,
+            **(asked_jobs(SETTING, DECISIONS, maps=map_digests()) if ARTICLE else {}),
+        },
         codes=codes(),
         study=products_of_study(),
         code=code_digest("ptl.files.manifest", "ptl.files.records"),

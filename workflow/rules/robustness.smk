@@ -1,11 +1,44 @@
 # The robustness study: one job per setting, verdicts as in the main run, and the unknowns that affect them.
 # Not part of `rule all`; `snakemake -j2 robustness` makes it.
 
-from ptl.study.robustness.design import StudyJobs
+from functools import cache
+
+from ptl.files.question import asked_jobs, digest_of
+from ptl.files.schema import SETTING
+from ptl.study.cost import cost_of_settings
+from ptl.study.robustness.design import jobs_of, read_study
 
 STUDY = config["robustness"]["study"]
-# read only when the study is asked for
-SETTINGS = StudyJobs(STUDY, OWN_CONFIG, refuse)
+
+
+@cache
+def study():
+    """The study's content, read only when it is asked for."""
+    try:
+        return read_study(STUDY)
+    except UserError as error:
+        refuse(error)
+
+
+@cache
+def settings():
+    """Jobs of the settings by name."""
+    try:
+        jobs = jobs_of(study(), OWN_CONFIG)
+        cost = cost_of_settings(jobs.values(), WORLDS)
+        check_cost(cost, allowed=bool(os.environ.get(FLAG)))
+    except UserError as error:
+        refuse(error)
+    if workflow.is_main_process:
+        print(f"the robustness study takes about {cost}", file=sys.stderr)
+    return jobs
+
+
+def asked_settings(names):
+    """What the files of some settings must have been made from."""
+    return asked_jobs(
+        SETTING, {name: settings()[name] for name in names}, maps=map_digests()
+    )
 
 
 rule learn_setting:
@@ -20,9 +53,7 @@ rule learn_setting:
     conda:
         "../envs/ptl.yaml"
     params:
-        job=lambda wildcards: json.dumps(
-            SETTINGS.by_name[wildcards.setting], sort_keys=True
-        ),
+        job=lambda wildcards: json.dumps(settings()[wildcards.setting], sort_keys=True),
         maps=map_digests(),
         code=code_digest(
             "ptl.study.robustness.running",
@@ -48,9 +79,7 @@ rule judge_setting:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth"),
-        asked=lambda wildcards: asked_jobs(
-            {wildcards.setting: SETTINGS.by_name[wildcards.setting]}, map_digests()
-        ),
+        asked=lambda wildcards: asked_settings([wildcards.setting]),
         code=code_digest("ptl.study.robustness.verdicts"),
     message:
         "Judging the claims in the setting {wildcards.setting}"
@@ -62,10 +91,10 @@ rule report_robustness:
     input:
         study=STUDY,
         verdicts=lambda wildcards: [
-            f"<results>/robustness/{name}.verdicts.csv" for name in SETTINGS.by_name
+            f"<results>/robustness/{name}.verdicts.csv" for name in settings()
         ],
         targets=lambda wildcards: [
-            f"<results>/robustness/{name}.targets.csv" for name in SETTINGS.by_name
+            f"<results>/robustness/{name}.targets.csv" for name in settings()
         ],
     output:
         png=report(
@@ -119,6 +148,40 @@ rule report_robustness:
         "../scripts/report_robustness.py"
 
 
+STUDY_CODES = codes()
+STUDY_DIGEST = digest_of(
+    sha256(Path(STUDY)) if os.path.isfile(STUDY) else "",
+    OWN_CONFIG,
+    DIGESTS,
+    STUDY_CODES,
+)
+
+
+rule check_robustness:
+    input:
+        rules.report_robustness.output,
+    output:
+        made="<results>/robustness/made.json",
+        # is missing as long as the study was not checked for this configuration, these maps and this code
+        checked=f"<results>/robustness/checked/{STUDY_DIGEST}",
+    log:
+        "<logs>/robustness/check_robustness.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        folder=f"reports/{config['run']}",
+        config=lambda wildcards: json.dumps({**OWN_CONFIG, "study": study().to_dict()}),
+        maps=DIGESTS,
+        asked=lambda wildcards: asked_settings(settings()),
+        codes=STUDY_CODES,
+        code=code_digest("ptl.files.manifest", "ptl.files.records"),
+    message:
+        "Holding the robustness study against its settings"
+    script:
+        "../scripts/manifest.py"
+
+
 rule robustness:
     input:
         rules.report_robustness.output,
+        rules.check_robustness.output,

@@ -1,4 +1,4 @@
-"""Write the manifest: the configuration, the versions of packages and a checksum of every product."""
+"""Hold products against their run and write the manifest: configuration, versions of packages, checksums of products."""
 
 import json
 from pathlib import Path
@@ -11,10 +11,10 @@ from ptl.report.job import running
 with running(snakemake) as job:
     params = snakemake.params
     config = json.loads(params.config)
-    check_records(Path(job.output.made).parent, job.input, config, params.asked, params.codes)
-    folder = Path(job.output.manifest).parent
-    manifest = build(map(Path, [*job.input, *params.study]), folder, config, params.maps)
-    for path in (job.output.manifest, job.output.made):
+    check_records(Path("results", config["run"]), job.input, config, params.asked, params.codes)
+    folder = Path(params.get("folder", Path(job.output[0]).parent))
+    manifest = build(map(Path, [*job.input, *params.get("study", ())]), folder, config, params.maps)
+    for path in job.output[:-1]:
         write_text(path, json.dumps(manifest, indent=1, sort_keys=True) + "\n")
     checked = Path(job.output.checked)
     for old in checked.parent.glob("*"):

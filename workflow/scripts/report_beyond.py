@@ -40,6 +40,7 @@ with running(snakemake) as job:
     places = summary.by_task(tasks, of_tasks, how)
     profiles = summary.profiles(main, how)
     write_csv(trends, folder / "winding_trends.csv")
+    write_csv(sequences, folder / "sequences.csv")
     pictures = {}
 
     def of_costs(*columns):
@@ -160,7 +161,6 @@ with running(snakemake) as job:
                 "Cost as a multiple of the optimum on the same maps, by the order in which goals come.",
             )  # fmt: skip
             sections[2]["tables"].append((made, False))
-        write_csv(sequences, folder / "sequences.csv")
     write_text(
         folder / "index.html",
         beyond.page(

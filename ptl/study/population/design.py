@@ -1,6 +1,6 @@
 """From config/beyond.yaml to the jobs of the second study."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -8,17 +8,19 @@ from typing import Annotated, Any, Literal, Self
 import msgspec
 
 from ptl import methods
-from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
+from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics, check_tasks
 from ptl.errors import UserError
 from ptl.files.configuration import read_yaml
 from ptl.files.outside import learning_code
-from ptl.files.question import lives_code
+from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code, map_digest
+from ptl.files.schema import LEARNING, LIVES
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.methods.beyond import module_of, reference
 from ptl.methods.ptl import Method as PartialTransfer
-from ptl.study.population.running import MOVING_AI, Cell
-from ptl.world.mazes import FAMILIES
-from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES
+from ptl.study.population.running import MOVING_AI, Cell, load_moving_ai
+from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.mazes import FAMILIES, GOALS
+from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES, Entry, read_population
 
 MAIN = "increasing"
 """Sequence of tasks of the main comparison, as in the article."""
@@ -187,19 +189,119 @@ def shown(study: Study) -> dict[str, tuple[str, int]]:
     return {f"{family}_{study.size}_{seed}": (family, seed) for family, seed in places}
 
 
-def maps_of(cell: Cell, study: Study) -> list[str]:
-    """Return the files that a cell's maps come from: the table of all generated ones, or their own."""
-    return [study.population] if cell.size else [str(path) for path in cell.maps]
+def entries_of(study: Study) -> dict[tuple[str, int], Entry]:
+    """Return the row of each generated map of a study by family and seed.
+
+    Raises
+    ------
+    UserError
+        When the table lacks a map.
+    """
+    if not study.families:
+        return {}
+    rows = {(e.family, e.seed): e for e in read_population(study.population) if e.size == study.size}
+    first = BANDS[study.band]
+    places = [(family, seed) for family in study.families for seed in range(first, first + study.maps)]
+    for place in places:
+        if place not in rows:
+            raise UserError(
+                f"{study.population}: has no map of the family {place[0]}, size {study.size} and seed {place[1]}; run"
+                " 'ptl population' to make the table"
+            )
+    return {place: rows[place] for place in places}
 
 
-def job_of(cell: Cell, study: Study) -> dict[str, Any]:
-    """Return what one cell's job needs, as plain data."""
+def given_worlds(study: Study) -> dict[str, GridWorld]:
+    """Return the maps of a study that are files, by their paths.
+
+    Raises
+    ------
+    UserError
+        When a map cannot be read, or lacks a task.
+    """
+    found = {}
+    for name, entry in study.article_maps.items():
+        found[entry.map] = load_map(entry.map)
+        check_tasks(entry.tasks, found[entry.map].goals, f"article_maps.{name}.tasks")
+    return found | {path: load_moving_ai(path) for path in study.moving_ai}
+
+
+def map_digests(
+    study: Study, entries: Mapping[tuple[str, int], Entry], worlds: Mapping[str, GridWorld]
+) -> dict[str, str]:
+    """Return a digest of the maps of each cell and of each map that the explorer shows, by its name.
+
+    Parameters
+    ----------
+    entries, worlds : mapping
+        Generated and given maps, as `entries_of` and `given_worlds` return them.
+    """
+    digests: dict[str, str] = {}
+    for cell in cells(study):
+        hashes = [
+            entries[cell.family, int(place)].hash if cell.size else map_digest(worlds[str(place)].text)
+            for place in cell.maps
+        ]
+        digests[cell.name] = digest_of(*hashes)
+    return {**digests, **{name: entries[place].hash for name, place in shown(study).items()}}
+
+
+def job_of(cell: Cell, study: Study, maps: str) -> dict[str, Any]:
+    """Return what one cell's job needs, as plain data.
+
+    Parameters
+    ----------
+    maps : str
+        Digest of its maps.
+    """
+    return {"cell": asdict(cell), "maps": maps, **_shared(study)}
+
+
+def _shared(study: Study) -> dict[str, Any]:
+    return {"root_seed": study.root_seed, "population": study.population, "parameters": study.parameters}
+
+
+def question_of(study: Study, maps: Mapping[str, str]) -> Question:
+    """Return what the files of lives, and of those that the explorer shows, must have been made from.
+
+    Parameters
+    ----------
+    maps : mapping
+        Digests, as `map_digests` returns them.
+    """
+    jobs = {cell.name: {"cell": asdict(cell), "maps": maps[cell.name]} for cell in cells(study)}
+    parameters = {name: study.parameters[name] for name in READS[LEARNING]}
+    names = list(shown(study))
     return {
-        "cell": asdict(cell),
-        "root_seed": study.root_seed,
-        "population": study.population,
-        "parameters": study.parameters,
+        **asked_jobs(LIVES, jobs, **_shared(study)),
+        LEARNING: {
+            "root_seed": study.root_seed,
+            "parameters": parameters,
+            "tasks": dict.fromkeys(names, GOALS),
+            "maps": {name: maps[name] for name in names},
+        },
     }
+
+
+def report_files(study: Study, lived: Iterable[str]) -> list[str]:
+    """Return the names of the files that the study's page comes with.
+
+    Parameters
+    ----------
+    lived : iterable of str
+        Families with lives of other programs.
+    """
+    tables, numbers = ("costs", "ratios", "improvement", "components"), ("winding_trends", "sequences")
+    figures = ["overview", "profiles", "tasks"]
+    if any(cell.per_task for cell in cells(study)):
+        figures.append("library_size")
+    if study.families and (study.methods or {*lived} & {*study.families}):
+        figures.append("winding")
+    return [
+        *(f"{name}.{kind}" for name in tables for kind in ("csv", "html", "md")),
+        *(f"{name}.{kind}" for name in figures for kind in ("csv", "png", "svg")),
+        *(f"{name}.csv" for name in numbers),
+    ]
 
 
 def method_digest(method: str) -> str:

@@ -111,8 +111,13 @@ def worlds(cell: Cell, population: str | Path) -> Iterator[tuple[int | str, Grid
         return
     for path in map(str, cell.maps):
         if cell.family == MOVING_AI:
-            yield Path(path).stem, place_tasks(read_moving_ai(path), Path(path).stem, 0, cell.sequence)
+            yield Path(path).stem, load_moving_ai(path, cell.sequence)
         else:
             world = load_map(path)
             check_tasks(cell.tasks, world.goals, f"article_maps.{cell.family}.tasks")
             yield cell.family, world
+
+
+def load_moving_ai(path: str | Path, sequence: str = "increasing") -> GridWorld:
+    """Read a Moving AI map and place its tasks."""
+    return place_tasks(read_moving_ai(path), Path(path).stem, 0, sequence)

@@ -4,11 +4,10 @@ Three groups of settings: ``reference`` (replicates of the run's own configurati
 ``one_at_a_time`` (a single unknown moved to each of its values) and ``latin_hypercube`` (all at once).
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal, NoReturn
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
@@ -228,29 +227,6 @@ def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[st
     }
 
 
-class StudyJobs:
-    """The jobs of a study's settings for the workflow, made when they are first asked for.
-
-    Parameters
-    ----------
-    path : path
-        The study's file.
-    config : mapping
-        The completed configuration of the run.
-    refuse : function
-        Called with the UserError of a study that cannot be run; does not return.
-    """
-
-    def __init__(self, path: str | Path, config: Mapping[str, Any], refuse: Callable[[UserError], NoReturn]) -> None:
-        self._path = path
-        self._config = config
-        self._refuse = refuse
-
-    @cached_property
-    def by_name(self) -> dict[str, dict[str, Any]]:
-        """The job of every setting by the setting's name, in the order of the study."""
-        try:
-            study = read_study(self._path)
-            return {setting.name: job_of(setting, study, self._config) for setting in study.settings()}
-        except UserError as error:
-            self._refuse(error)
+def jobs_of(study: Study, config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the job of every setting by the setting's name, in the order of the study."""
+    return {setting.name: job_of(setting, study, config) for setting in study.settings()}
