@@ -8,6 +8,7 @@ import json
 import os
 import shlex
 import sys
+from pathlib import Path
 
 from snakemake.utils import min_version
 
@@ -18,6 +19,7 @@ from ptl.files.configuration import read_yaml
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import digest_of
+from ptl.files.regular import below, refuse_other
 from ptl.files.schema import LEARNING, LIVES
 from ptl.methods import identifier
 from ptl.methods.beyond import reference
@@ -53,6 +55,8 @@ try:
         LIVED = set(foreign_lives(STUDY)["family"])
     COST = cost_of_lives(JOBS.values(), ENTRIES, WORLDS)
     check_cost(COST, allowed=bool(os.environ.get(FLAG)))
+    if workflow.is_main_process:
+        refuse_other(*below(Path("logs", STUDY.run)))
 except UserError as error:
     print(f"error: {error}", file=sys.stderr, flush=True)
     os._exit(1)

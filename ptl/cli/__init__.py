@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import gc
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -42,12 +45,25 @@ class _Commands(click.Group):
         assert command is not None
         return command.get_short_help_str(limit=200)
 
+    def make_context(self, *arguments: Any, **extra: Any) -> click.Context:
+        with _in_one_line():
+            return super().make_context(*arguments, **extra)
+
     def invoke(self, context: click.Context) -> object:
-        try:
+        with _in_one_line():
             return super().invoke(context)
-        except click.UsageError as error:
-            path = error.ctx.command_path if error.ctx else "ptl"
-            raise UserError(f"{path}: {error.format_message().rstrip('.')} (see '{path} --help')") from error
+
+
+@contextmanager
+def _in_one_line() -> Iterator[None]:
+    """Turn what click says about wrong arguments into one line."""
+    try:
+        yield
+    except click.exceptions.NoArgsIsHelpError:  # no mistake: the help is shown
+        raise
+    except click.UsageError as error:
+        path = error.ctx.command_path if error.ctx else "ptl"
+        raise UserError(f"{path}: {error.format_message().rstrip('.')} (see '{path} --help')") from error
 
 
 @click.command(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ptl.errors import UserError
-from ptl.files.regular import kind_of
+from ptl.files.regular import refuse_other
 
 UNFINISHED = ".unfinished-"
 """Begins the name under which a file is written until it is whole."""
@@ -28,8 +28,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     path = Path(path)
     temporary = None
     try:
-        if os.path.lexists(path) and (other := kind_of(path.lstat().st_mode)):
-            raise UserError(f"{path}: is {other}, and no file is written in its place; name another file or remove it")
+        refuse_other(path)
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_name(f"{UNFINISHED}{os.urandom(6).hex()}-{path.name}")
         unfinished.touch(exist_ok=False)

@@ -40,6 +40,19 @@ def kind_of(mode: int) -> str:
     return next((name for test, name in kinds.items() if test(mode)), "a device")
 
 
+def refuse_other(*paths: str | os.PathLike[str]) -> None:
+    """Refuse to write where there is something else than an ordinary file: a pipe would wait for a reader.
+
+    Raises
+    ------
+    UserError
+        Naming the first such path and what is there.
+    """
+    for path in paths:
+        if os.path.lexists(path) and (other := kind_of(os.lstat(path).st_mode)):
+            raise UserError(f"{path}: is {other}, and no file is written in its place; name another file or remove it")
+
+
 def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     """Return the content of an ordinary file.
 

@@ -28,6 +28,7 @@ def test_help_lists_every_command_once_and_those_for_people_first() -> None:
     [
         ("learn --configfile nofile.yaml", "ptl learn: No such option '--configfile' (see 'ptl learn --help')"),
         ("learn", "ptl learn: Missing option '--map' (see 'ptl learn --help')"),
+        ("--bad", "ptl: No such option '--bad' (see 'ptl --help')"),
         ("teach", "ptl: No such command 'teach' (see 'ptl --help')"),
     ],
 )

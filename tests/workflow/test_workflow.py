@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 
 import h5py
@@ -187,6 +188,20 @@ def test_a_lock_left_behind_is_taken_away(tiny):
     done = tiny.ptl("workflow", "-j2", name)
     assert done.returncode == 0, done.stderr[-3000:]
     assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("pipe", "arguments"), [("logs/tiny/odd/pipe.log", ("-n",)), ("pipe.html", ("--report", "pipe.html"))]
+)
+def test_a_pipe_where_snakemake_writes_a_file_is_refused(tiny, pipe, arguments):
+    path = tiny.folder / pipe
+    path.parent.mkdir(exist_ok=True)
+    os.mkfifo(path)
+    try:
+        [line] = errors_of(tiny.snakemake(*arguments, timeout=120))
+        assert f"{pipe}: is a pipe, and no file is written in its place" in line
+    finally:
+        path.unlink()
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ from ptl import methods
 from ptl.errors import UserError
 from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
-from ptl.files.manifest import sha256
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
-from ptl.files.question import SIDE_MAPS, about, map_digest, question_of
+from ptl.files.question import SIDE_MAPS, about, digest_of, map_digest, question_of
+from ptl.files.regular import below, refuse_other, sha256
 from ptl.report.figures import left_out
 from ptl.report.snakemake_report import keep_checksum, keep_texts
 from ptl.study.cost import FLAG, check_cost, cost_of
@@ -39,12 +39,14 @@ try:
     DIGESTS = {name: map_digest(world.text) for name, world in WORLDS.items()}
     COST = cost_of(CONFIGURATION, WORLDS)
     check_cost(COST, allowed=bool(os.environ.get(FLAG)))
+    if workflow.is_main_process:
+        refuse_other(*below(Path("logs", config["run"])))
 except UserError as error:
     refuse(error)
 
 if any(argument.startswith("--report") for argument in sys.argv):
     keep_texts()
-    keep_checksum()
+    keep_checksum(refuse)
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.

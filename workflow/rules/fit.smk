@@ -1,14 +1,30 @@
 # The search for drawings and settings that fit the article's claims, in one job.
 # Not part of `rule all`; `snakemake -j2 fit` makes it.
 
+from contextlib import suppress
+
+SEARCH = "config/fit.yaml"
+SEARCH_CODE = code_digest("ptl.study.fit", *method_modules(METHODS))
+
+
+def search_digest():
+    """Digest of all that the search depends on; its file is checked when it runs."""
+    maps = []
+    with suppress(UserError, AttributeError, KeyError, TypeError):
+        maps = sorted(map(str, read_yaml(SEARCH)["reference"]["maps"].values()))
+    files = {path: sha256(Path(path)) for path in (SEARCH, *maps) if os.path.isfile(path)}
+    return digest_of(files, OWN_CONFIG, SEARCH_CODE)
+
 
 rule search_fit:
     input:
-        search="config/fit.yaml",
+        search=SEARCH,
     output:
         tried="<reports>/fit/tried.csv",
         parts="<reports>/fit/parts.csv",
         halves="<reports>/fit/halves.csv",
+        # is missing as long as the search was not made for this configuration, these maps and this code
+        searched=f"<results>/fit/searched/{search_digest()}",
     log:
         "<logs>/fit/search.log",
     conda:
@@ -17,12 +33,12 @@ rule search_fit:
         lives=f"results/{config['run']}/fit",
         reports=subpath(output.tried, parent=True),
         config=json.dumps(OWN_CONFIG, sort_keys=True),
-        code=code_digest("ptl.study.fit", *method_modules(METHODS)),
+        code=SEARCH_CODE,
     message:
         "Searching for drawings and settings that fit the claims"
     shell:
         "ptl fit --search {input.search:q} --config {params.config:q} --lives {params.lives:q}"
-        " --output {params.reports:q} 2> {log:q}"
+        " --output {params.reports:q} 2> {log:q} && touch {output.searched:q}"
 
 
 rule report_fit:

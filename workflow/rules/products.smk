@@ -1,7 +1,5 @@
 # The front page of the report, and the manifest of all products.
 
-from ptl.files.question import digest_of
-
 
 report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
 

@@ -3,7 +3,7 @@
 
 from functools import cache
 
-from ptl.files.question import asked_jobs, digest_of
+from ptl.files.question import asked_jobs
 from ptl.files.schema import SETTING
 from ptl.study.cost import cost_of_settings
 from ptl.study.robustness.design import jobs_of, read_study
