@@ -47,6 +47,7 @@ fit: build  ## Search for drawings and settings that fit the claims: reports/pub
 beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
 	$(BEYOND)
 	@echo "Open reports/beyond/index.html in a browser."
+	@.venv/bin/ptl verify reports/beyond --against published --exit-zero
 
 beyond-smoke: build  ## The second study on a small configuration, in two minutes.
 	$(BEYOND) --configfile config/beyond.yaml config/beyond_smoke.yaml

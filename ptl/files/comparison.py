@@ -145,7 +145,7 @@ def reference(text: str, folder: Path) -> Reference:
     if head.read(MANIFEST) is not None:
         return _of_another_run(head, folder)
     kept = Path(KEPT)
-    if (kept / MANIFEST).is_file():
+    if folder.name == PUBLISHED and (kept / MANIFEST).is_file():
         return _of_another_run(FolderReference(kept, f"{KEPT} (kept before the first run)"), folder)
     raise NothingToCompareError(
         f"{folder}: neither git's HEAD nor {KEPT} holds the published products to compare with; 'make reproduce' in a"
