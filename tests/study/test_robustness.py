@@ -452,3 +452,10 @@ def test_targeted_pages_put_settings_beside_each_other(verdicts: pd.DataFrame) -
     text = to_markdown(table)
     assert re.search(r"reference 1 *\|.*66 \\?\[65, 67", text)
     assert re.search(r"α = 0.2 *\|.*20 \\?\[19, 21", text)
+
+
+def test_labels_of_the_heat_map_are_apart_and_in_order() -> None:
+    moved = figure._apart([0.0, 5.0, 6.0, 6.5, 12.0], 1.65)
+    assert (np.diff(moved) >= 1.65 - 1e-9).all()
+    assert moved[[0, 4]].tolist() == [0, 12]
+    assert abs(moved[1:4].mean() - np.mean([5, 6, 6.5])) < 0.5

@@ -50,6 +50,10 @@ def heat_frame(verdicts: pd.DataFrame) -> pd.DataFrame:
     return frame.sort_values("column", kind="stable")[columns].reset_index(drop=True)
 
 
+LABEL_WIDTH = 1.65
+"""Width of a line of text, in settings of the middle panel."""
+
+
 @style.styled
 def draw(frame: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> Figure:
     """Draw claims by settings; one panel for each group of settings, names of unknowns below the middle one."""
@@ -113,7 +117,15 @@ def _name_unknowns(ax: Axes, part: pd.DataFrame, unknowns: Mapping[str, Unknown]
     for start in starts[1:]:
         ax.axvline(start - 0.5, color="white", linewidth=2)
     labels = [unknowns[keys[start]].symbol if keys[start] in unknowns else keys[start] for start in starts]
-    ax.set_xticks(middles, labels, rotation=90, fontsize=11.5)
+    ax.set_xticks(_apart(middles, LABEL_WIDTH), labels, rotation=90, fontsize=11.5)
+
+
+def _apart(places: list[float], least: float) -> np.ndarray:
+    """Move places that are closer than ``least`` apart; they stay in order, and others where they are."""
+    steps = least * np.arange(len(places))
+    shifted = np.array(places) - steps
+    pushed_right, pushed_left = np.maximum.accumulate(shifted), np.minimum.accumulate(shifted[::-1])[::-1]
+    return (pushed_right + pushed_left) / 2 + steps
 
 
 def _shares(ax: Axes, part: pd.DataFrame, claims: list[str]) -> None:
