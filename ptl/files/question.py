@@ -35,7 +35,8 @@ READS = {
 """Groups of hyper-parameters that each kind of job depends on."""
 
 RULES = {
-    LEARNING: "learn", GROWTH: "grow", FREQUENCIES: "survey_batch", GAIN: "learn_fv", SETTING: "decide", LIVES: "learn_lives",
+    LEARNING: "learn", GROWTH: "grow", FREQUENCIES: "survey_batch", GAIN: "learn_fv", SETTING: "decide",
+    LIVES: "learn_lives",
 }  # fmt: skip
 """Rules that make each kind of file."""
 

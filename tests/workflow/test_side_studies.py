@@ -1,4 +1,4 @@
-"""The robustness study and the second study use files only for the question that they answer, as the run itself does."""
+"""The robustness study and the second study use files only for the question that they answer, as the run does."""
 
 from __future__ import annotations
 

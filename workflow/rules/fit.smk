@@ -12,7 +12,9 @@ def search_digest():
     maps = []
     with suppress(UserError, AttributeError, KeyError, TypeError):
         maps = sorted(map(str, read_yaml(SEARCH)["reference"]["maps"].values()))
-    files = {path: sha256(Path(path)) for path in (SEARCH, *maps) if os.path.isfile(path)}
+    files = {
+        path: sha256(Path(path)) for path in (SEARCH, *maps) if os.path.isfile(path)
+    }
     return digest_of(files, OWN_CONFIG, SEARCH_CODE)
 
 

@@ -1,4 +1,4 @@
-"""Hold products against their run and write the manifest: configuration, versions of packages, checksums of products."""
+"""Hold products against their run and write the manifest: configuration, versions and checksums of products."""
 
 import json
 from pathlib import Path
