@@ -19,7 +19,7 @@ from ptl.files.configuration import read_yaml
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import digest_of
-from ptl.files.regular import below, refuse_other
+from ptl.files.regular import below, refuse_other, sha256
 from ptl.files.schema import LEARNING, LIVES
 from ptl.methods import identifier
 from ptl.methods.beyond import reference
@@ -64,7 +64,9 @@ except UserError as error:
 if workflow.is_main_process:
     print(f"the study takes about {COST}", file=sys.stderr)
 
-QUESTION = design.question_of(STUDY, DIGESTS)
+CODES = {name: design.method_digest(name) for name in STUDY.methods}
+FOREIGN_DIGESTS = {path: sha256(path) for path in STUDY.foreign_lives}
+QUESTION = design.question_of(STUDY, DIGESTS, CODES)
 SHOWN = {identifier(name): name for name in map(reference, STUDY.explorer.methods)}
 LEARNED = expand("<results>/lives/{cell}.h5", cell=CELLS)
 
@@ -101,7 +103,7 @@ rule beyond:
     # the lives come first: the products are tracked, and asking for them alone would be content with what is there
     input:
         LEARNED,
-        lambda wildcards: rules.check_study.output,
+        lambda wildcards: [*rules.check_study.output, *rules.check_study.input],
 
 
 rule lives:
@@ -126,7 +128,7 @@ rule learn_lives:
         "envs/ptl.yaml"
     params:
         job=lambda wildcards: json.dumps(JOBS[wildcards.cell], sort_keys=True),
-        code=lambda wildcards: design.method_digest(CELLS[wildcards.cell].method),
+        code=lambda wildcards: CODES[CELLS[wildcards.cell].method],
     message:
         "Learning the lives {wildcards.cell}"
     shell:
@@ -167,6 +169,7 @@ rule report_beyond:
         "envs/ptl.yaml"
     params:
         study=STUDY.to_dict(),
+        foreign_digests=FOREIGN_DIGESTS,
         code=code_digest(
             "ptl.report.beyond",
             "ptl.report.figures.beyond",
@@ -257,7 +260,7 @@ rule check_study:
         # tells products that were made here from those that were checked out
         made="<results>/made.json",
         # is missing as long as no manifest was written for this configuration, these maps and this code
-        checked=f"<results>/checked/{digest_of(STUDY.to_dict(), DIGESTS, codes())}",
+        checked=f"<results>/checked/{digest_of(STUDY.to_dict(), QUESTION, codes(), FOREIGN_DIGESTS)}",
     log:
         "<logs>/check_study.log",
     conda:

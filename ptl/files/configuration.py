@@ -15,7 +15,7 @@ from ptl.config import Configuration, Environment, ForeignResults, Learning, che
 from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
 from ptl.files.outside import configured
-from ptl.keys import ConfigurationError
+from ptl.keys import ConfigurationError, Group
 from ptl.learning.method_check import check_method
 from ptl.world.gridworld import load_map
 
@@ -43,11 +43,15 @@ def completed(config: Mapping[str, Any]) -> Configuration:
         if name not in references:
             known = ", ".join(references)
             raise ConfigurationError(f"method_parameters.{name}", f"is not compared; give parameters of {known}")
+    own = {}
     for name, reference in references.items():
         check_method(reference)
-        _check_text(f"methods: label of {name}", methods.load(reference).label)
-        if given := configuration.method_parameters.get(name):
-            check_method(configured(reference, given))
+        check_text(f"methods: label of {name}", methods.load(reference).label)
+        chosen = configured(reference, configuration.method_parameters.get(name, {}))
+        if isinstance(declared := getattr(chosen, "own", None), Group):
+            own[name] = declared.to_dict()
+        if configuration.method_parameters.get(name):
+            check_method(chosen)
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}
     names = sorted(entries, key=lambda name: entries[name].article_items.map or "~")
     growth = configuration.growth
@@ -55,6 +59,7 @@ def completed(config: Mapping[str, Any]) -> Configuration:
     return msgspec.structs.replace(
         configuration,
         environments=environments,
+        method_parameters=own,
         foreign_results=_completed_foreign(configuration, environments),
         growth=msgspec.structs.replace(growth, environment=growth.environment or names[-1]),
     )
@@ -82,7 +87,7 @@ def _completed_foreign(
     for name, foreign in given.items():
         if name in methods.names() or name in methods.by_identifier(configuration.methods):
             raise ConfigurationError(f"foreign_results.{name}", "is a method of this package; give another name")
-        _check_text(f"foreign_results.{name}.label", foreign.label)
+        check_text(f"foreign_results.{name}.label", foreign.label)
         read_foreign(foreign.file, name, expected)
     return {
         name: msgspec.structs.replace(foreign, label=foreign.label or name.replace("_", " ").capitalize())
@@ -91,7 +96,7 @@ def _completed_foreign(
 
 
 def _completed_entry(name: str, entry: Environment) -> Environment:
-    _check_text(f"environments.{name}.title", entry.title)
+    check_text(f"environments.{name}.title", entry.title)
     goals = load_map(entry.map).goals
     tasks = entry.tasks or "".join(goals)
     check_tasks(tasks, goals, f"environments.{name}.tasks")
@@ -100,7 +105,7 @@ def _completed_entry(name: str, entry: Environment) -> Environment:
     return msgspec.structs.replace(entry, title=entry.title or name, tasks=tasks, discovery_tasks=discovery_tasks)
 
 
-def _check_text(key: str, text: str) -> None:
+def check_text(key: str, text: str) -> None:
     """Refuse a text that cannot be shown as it is: written to a file, on one line, read from left to right."""
     unfit = [
         character

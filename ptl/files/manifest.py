@@ -71,12 +71,12 @@ def damages(folder: Path) -> list[str]:
         path = folder / name
         try:
             if sha256(path) != digest:
-                found.append(f"{path}: differs from {MANIFEST}; {make_again(path, manifest_path)}")
+                found.append(f"{path}: differs from {MANIFEST}; {make_again(path)}")
         except NotReadable as error:
             if error.missing:
-                found.append(f"{path}: is missing; {make(manifest_path)}")
+                found.append(f"{path}: is missing; {make(path)}")
             else:
-                found.append(f"{path}: cannot be read ({error.reason}); {make_again(path, manifest_path)}")
+                found.append(f"{path}: cannot be read ({error.reason}); {make_again(path)}")
     return found
 
 

@@ -21,7 +21,8 @@ from ptl.files.outside import RECORD, learning_code
 from ptl.files.provenance import code_digest
 from ptl.files.remedies import force, make_again
 from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SETTING, STEPS
-from ptl.methods import names
+from ptl.keys import shortened
+from ptl.methods import by_identifier, names
 from ptl.methods.beyond import module_of
 
 if TYPE_CHECKING:
@@ -74,7 +75,9 @@ def digest_of(*parts: Any) -> str:
     return hashlib.sha256(json.dumps(parts).encode()).hexdigest()[:16]
 
 
-def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+def question_of(
+    config: Mapping[str, Any], maps: Mapping[str, str], codes: Mapping[str, str] | None = None
+) -> dict[str, dict[str, Any]]:
     """Return the question of a run.
 
     Parameters
@@ -83,6 +86,8 @@ def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str,
         The completed configuration.
     maps : mapping
         Digest of the map of each environment, and of the side studies' maps.
+    codes : mapping, optional
+        Digest of the sources of each method as they are now; without it files by methods from elsewhere may be older.
     """
     common = {"root_seed": config["root_seed"]}
     environments, growth, survey = config["environments"], config["growth"], config["subgoal_frequencies"]
@@ -90,7 +95,14 @@ def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str,
     asked[LEARNING]["tasks"] = {name: entry["tasks"] for name, entry in environments.items()}
     asked[LEARNING]["tasks"][MISLEADING] = SIDE_TASKS
     asked[LEARNING]["maps"] = {name: maps[name] for name in (*environments, MISLEADING) if name in maps}
-    asked[LEARNING]["own"] = config["method_parameters"]
+    asked[LEARNING]["methods"] = {
+        name: {
+            "reference": reference,
+            "parameters": config["method_parameters"].get(name, {}),
+            **({"code": codes[name]} if codes else {}),
+        }
+        for name, reference in by_identifier(config["methods"]).items()
+    }
     asked[GROWTH]["maps"] = {growth["environment"]: maps[growth["environment"]]}
     asked[GROWTH]["number"] = growth["tasks"]
     asked[FREQUENCIES]["maps"] = {name: maps[name] for name in environments}
@@ -100,11 +112,18 @@ def question_of(config: Mapping[str, Any], maps: Mapping[str, str]) -> dict[str,
     return json.loads(json.dumps(asked))
 
 
-def about(question: Mapping[str, Any], environments: Iterable[str]) -> dict[str, Any]:
-    """Return what a question for one kind of file asks of some environments, and of the side studies."""
+def about(
+    question: Mapping[str, Any], environments: Iterable[str], methods: Iterable[str] | None = None
+) -> dict[str, Any]:
+    """Return what a question for one kind of file asks of some environments and methods, and of the side studies."""
     kept = {*environments, *SIDE_MAPS}
-    parts = {name: question[name] for name in ("maps", "tasks") if name in question}
-    return {**question, **{name: {k: v for k, v in part.items() if k in kept} for name, part in parts.items()}}
+    parts = {name: kept for name in ("maps", "tasks") if name in question}
+    if methods is not None and "methods" in question:
+        parts["methods"] = {*methods}
+    return {
+        **question,
+        **{part: {k: v for k, v in question[part].items() if k in kept} for part, kept in parts.items()},
+    }
 
 
 def asked_jobs(kind: str, jobs: Mapping[str, Any], **shared: Any) -> dict[str, dict[str, Any]]:
@@ -177,13 +196,25 @@ def _other_question(root: Node, asked: Mapping[str, Any]) -> Iterator[str]:
         yield f"is of the environment {environment}, which is not in the run"
     elif asked["maps"][environment] != map_digest(attrs["map"]):
         yield "was made on another map"
-    own = attrs["parameters"].get(RECORD, {}).get("parameters", {}) if kind == LEARNING else {}
-    for name, value in asked.get("own", {}).get(attrs.get("method"), {}).items():
-        if own.get(name) != value:
-            yield f"was made with {attrs['method']}.{name} {own.get(name)!r}, not {value!r}"
+    if "methods" in asked and environment not in SIDE_MAPS:
+        yield from _other_method(attrs, asked["methods"].get(attrs["method"]))
     for name, found, wanted in _work(root, asked):
         if found != wanted:
             yield f"holds {name} {found}, not {wanted}"
+
+
+def _other_method(attrs: Mapping[str, Any], asked: Mapping[str, Any] | None) -> Iterator[str]:
+    name = attrs["method"]
+    if asked is None:
+        yield f"is of the method {name}, which is not in the run"
+        return
+    record = attrs["parameters"].get(RECORD, {})
+    if (found := record.get("reference", name)) != asked["reference"]:
+        yield f"was made by the method {found}, not by {asked['reference']}"
+    if (own := record.get("parameters", {})) != asked["parameters"]:
+        yield f"was made with {name}'s parameters {shortened(own)}, not {shortened(asked['parameters'])}"
+    if attrs["code"] != asked.get("code", attrs["code"]):
+        yield f"was made by another version of the method {name}"
 
 
 def _work(root: Node, asked: Mapping[str, Any]) -> Iterator[tuple[str, Any, Any]]:
@@ -207,6 +238,8 @@ def _other_job(attrs: Mapping[str, Any], asked: Mapping[str, Any], named: str) -
         yield f"holds the job {named}, which is not in the run"
         return
     wanted = {name: value for name, value in asked.items() if name not in {"jobs", "maps"}} | asked["jobs"][named]
+    if wanted.pop("code", attrs["code"]) != attrs["code"]:
+        yield "was made by another version of its method"
     for name in wanted:
         if attrs["job"].get(name) != wanted[name]:
             yield f"was made with another value of {name}"

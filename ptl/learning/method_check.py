@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Annotated
 
 import msgspec
@@ -18,6 +22,7 @@ Label = Annotated[str, key("", **{**TITLE, "min_length": 1})]
 Colour = Annotated[str, key("", pattern=r"^#[0-9a-f]{6}\Z", wanted="#rrggbb with lower-case digits")]
 
 TRIAL_WORLD = GridWorld.from_text("I...\n.#.A\n...B\n", "trial")
+TRIAL_SECONDS = 60
 TRIAL_PARAMETERS = Parameters().replace(learning__episodes=5, learning__max_steps=10**5, subgoals__trajectories=3)
 
 
@@ -47,11 +52,34 @@ def check_method(method: str | methods.Maker) -> None:
 
 def _trial(method: str | methods.Maker) -> Life:
     try:
-        return learn_life(TRIAL_WORLD, tasks_of(TRIAL_WORLD, "AB"), method, TRIAL_PARAMETERS, 0, "trial")
+        with _limited(method):
+            return learn_life(TRIAL_WORLD, tasks_of(TRIAL_WORLD, "AB"), method, TRIAL_PARAMETERS, 0, "trial")
     except UserError:
         raise
-    except Exception as error:  # whatever the method does
+    except (Exception, SystemExit) as error:  # whatever the method does
         raise methods.fault(error, method) from error
+
+
+@contextmanager
+def _limited(method: str | methods.Maker) -> Iterator[None]:
+    """End a trial that takes too long, if this is the main thread, which alone can be interrupted."""
+
+    def end(*_: object) -> None:
+        raise UserError(
+            f"method {methods.shown(method)}: a life of two tasks on a map of {TRIAL_WORLD.n_states} states has not"
+            f" ended after {TRIAL_SECONDS} s; let every episode end"
+        )
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, TRIAL_SECONDS)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def _numbers(life: Life) -> bytes:

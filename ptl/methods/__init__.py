@@ -125,14 +125,17 @@ def source_file(reference: str) -> Path:
     return Path(reference) if reference.endswith(".py") else Path(str(sys.modules[load(reference).__module__].__file__))
 
 
-def fault(error: Exception, method: str | Maker) -> UserError:
+def fault(error: BaseException, method: str | Maker) -> UserError:
     """Return an error in a method's code as one line that names the place."""
     if isinstance(error, SyntaxError):
         place = f"{error.filename}, line {error.lineno}"
     else:
         frame = [frame for frame in extract_tb(error.__traceback__) if frame.filename.endswith(".py")][-1]
         place = f"{frame.filename}, line {frame.lineno}"
-    message = error.msg if isinstance(error, SyntaxError) else error
+    try:
+        message = error.msg if isinstance(error, SyntaxError) else str(error)
+    except Exception:  # the text of an error is the user's code too
+        message = "an error without a text"
     return UserError(f"method {shown(method)}: {type(error).__name__}: {message} ({place})")
 
 
@@ -151,7 +154,7 @@ def _imported(reference: str, load_module: Callable[[], ModuleType]) -> ModuleTy
         return load_module()
     except ImportError as error:
         raise UserError(f"method {reference}: cannot be imported ({error})") from error
-    except Exception as error:  # whatever the user's file does
+    except (Exception, SystemExit) as error:  # whatever the user's file does
         raise fault(error, reference) from error
 
 

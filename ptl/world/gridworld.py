@@ -206,6 +206,16 @@ def load_map(path: str | Path) -> GridWorld:
     UserError
         When the file cannot be read or is not a map.
     """
+    return GridWorld.from_text(read_text(path), name=str(path))
+
+
+def read_text(path: str | Path) -> str:
+    """Return the UTF-8 text of a file with a map or a table of maps; pipes, devices and what is huge are refused.
+
+    Raises
+    ------
+    UserError
+    """
     path = Path(path)
     try:
         if not path.is_file():
@@ -220,4 +230,4 @@ def load_map(path: str | Path) -> GridWorld:
         raise UserError(f"{path}: cannot be read ({reason}); check the path of the map") from error
     if len(content) > MAX_BYTES:
         raise UserError(f"{path}: is larger than a map of {MAX_CELLS} cells can be; use a smaller one")
-    return GridWorld.from_text(text, name=str(path))
+    return text

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from ptl.errors import UserError
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, read_text
 from ptl.world.mazes import FAMILIES, FREE, GOALS, START, WALL, largest_part, to_text
 
 BANDS = {"tuning": 1000, "test": 4000}
@@ -151,10 +151,7 @@ def read_moving_ai(path: str | Path) -> np.ndarray:
     UserError
         When the file cannot be read, or its header and its rows do not agree.
     """
-    try:
-        lines = Path(path).read_text(encoding="ascii").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise UserError(f"{path}: cannot be read as a Moving AI map ({error}); check the file") from error
+    lines = read_text(path).splitlines()
     header = dict(line.split(maxsplit=1) for line in lines[:3] if len(line.split()) > 1)
     rows = [line for line in lines[4:] if line]
     sizes = [header.get("height"), header.get("width")]
@@ -207,9 +204,9 @@ def read_population(path: str | Path = POPULATION) -> list[Entry]:
     UserError
         When it cannot be read or has other columns.
     """
+    text = read_text(path)
     try:
-        with Path(path).open(encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = list(csv.DictReader(text.splitlines()))
         return [
             Entry(
                 row["band"], row["family"], int(row["size"]), int(row["seed"]), int(row["states"]),
@@ -217,7 +214,7 @@ def read_population(path: str | Path = POPULATION) -> list[Entry]:
             )
             for row in rows
         ]  # fmt: skip
-    except (OSError, KeyError, ValueError, TypeError) as error:
+    except (AttributeError, csv.Error, KeyError, ValueError, TypeError) as error:
         raise UserError(
             f"{path}: cannot be read as a table of maps ({error!r}); run 'ptl population' to make it"
         ) from None

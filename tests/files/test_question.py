@@ -10,16 +10,20 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from click.testing import CliRunner
 from damage import rewrite
 from lives import QUICK, ROOMS, ROOT_SEED, write_life
 from projects import Project
 
+from ptl.cli import commands
 from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.manifest import _content
+from ptl.files.outside import learning_code
 from ptl.files.question import SIDE_MAPS, asking, map_digest, question_of
 from ptl.files.records import check_records, write_record
 from ptl.files.results import read_result
+from ptl.files.schema import LEARNING
 from ptl.world.gridworld import GridWorld
 
 PAIRED = "results and products paired with another run, all refused"
@@ -191,3 +195,72 @@ def test_verify_holds_results_against_the_configuration_of_their_run(tiny: Proje
         assert done.returncode == 0 and "not held against the configuration of a run" in done.stdout
     finally:
         made.write_text(whole)
+
+
+# -- methods from elsewhere --------------------------------------------------------------------------------------
+
+
+MINE = """
+from typing import Annotated
+
+from ptl.keys import Group, key
+from ptl.methods.no_transfer import Method as NoTransfer
+
+
+class Own(Group, frozen=True, kw_only=True):
+    start: Annotated[float, key("Start.", ge=0, le=1)] = 1.0
+
+
+class Method(NoTransfer):
+    label = "Mine"
+    colour = "#123456"
+    own = Own()
+"""
+
+
+@pytest.fixture
+def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A life by a method that is a file of this folder."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE)
+    Path("rooms.txt").write_text(ROOMS.text)
+    life = Path("learning/rooms/mine/seed_000.h5")
+    arguments = (
+        f"learn --map rooms.txt --environment rooms --tasks AB --method mine.py --seed 0 --root-seed {ROOT_SEED}"
+    )
+    parameters = json.dumps(QUICK.to_dict())
+    CliRunner().invoke(
+        commands, [*arguments.split(), "--parameters", parameters, "--output", str(life)], catch_exceptions=False
+    )
+    return life
+
+
+@pytest.mark.parametrize(
+    ("changes", "codes", "fault"),
+    [
+        ({"methods": ["ptl"]}, None, "is of the method mine, which is not in the run"),
+        ({"methods": ["other/mine.py"]}, None, "was made by the method mine.py, not by other/mine.py"),
+        ({"method_parameters": {"mine": {"start": 0.0}}}, None, "was made with mine's parameters"),
+        ({}, {"mine": "0" * 16}, "was made by another version of the method mine"),
+    ],
+)
+def test_a_life_by_another_method_is_refused(mine: Path, changes: Any, codes: Any, fault: str) -> None:
+    config = with_(**{"methods": ["mine.py"], "method_parameters": {"mine": {"start": 1.0}}, **changes})
+    with asking(question_of(config, MAPS, codes)), pytest.raises(UserError, match=fault):
+        read_result(mine)
+
+
+def test_a_life_by_the_method_of_the_run_is_read(mine: Path) -> None:
+    config = with_(methods=["mine.py"], method_parameters={"mine": {"start": 1.0}})
+    with asking(question_of(config, MAPS, {"mine": learning_code("mine.py")})):
+        assert read_result(mine).method == "mine"
+
+
+def test_products_with_a_method_that_left_the_run_are_refused_by_name(run: dict[str, Any]) -> None:
+    """The command that mends makes the products again and learns nothing."""
+    params = {"asked": {LEARNING: question_of(CONFIG, MAPS)[LEARNING]}, "methods": ["ptl", "no_transfer"], "code": "1"}
+    write_record(Path(), "measure", "measure", params, ["result"], ["table"])
+    fewer = with_(methods=["ptl"])
+    with pytest.raises(UserError, match="lives under no_transfer") as refused:
+        check_records(Path(), ["table"], fewer, question_of(fewer, MAPS), run["codes"])
+    assert "learn" not in str(refused.value).partition("--forcerun")[2]

@@ -13,6 +13,7 @@ from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.learning import method_check
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.method_check import check_method
 from ptl.methods import BaseMethod
@@ -444,3 +445,25 @@ class Unnamed(BaseMethod):
 def test_two_methods_cannot_share_an_identifier():
     with pytest.raises(UserError, match=r"methods a/own\.py and b/own\.py are both called own"):
         methods.by_identifier(["a/own.py", "b/own.py"])
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "raise SystemExit(0)",
+        "import sys\nsys.exit(3)",
+        "class Odd(Exception):\n    def __str__(self):\n        return 5\nraise Odd",
+    ],
+)
+def test_a_file_that_ends_python_or_fails_without_a_text_is_refused(tmp_path, text):
+    (tmp_path / "mine.py").write_text(text)
+    with pytest.raises(UserError, match=r"mine\.py: (SystemExit|Odd): .*mine\.py, line"):
+        check_method(str(tmp_path / "mine.py"))
+
+
+@pytest.mark.parametrize("body", ["while True: pass", "raise SystemExit(0)"])
+def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypatch, body):
+    (tmp_path / "mine.py").write_text(GOOD.replace("learner.explore()", body))
+    monkeypatch.setattr(method_check, "TRIAL_SECONDS", 0.2)
+    with pytest.raises(UserError, match=r"mine\.py: (SystemExit|a life of two tasks .* has not ended)"):
+        check_method(str(tmp_path / "mine.py"))

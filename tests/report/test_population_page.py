@@ -101,3 +101,11 @@ def test_figures_have_a_panel_for_each_family_and_a_curve_for_each_method():
     points = figures.overview(costs, looks, titles).axes[0].collections[-1].get_offsets()
     expected = costs[costs["family"] == "chain"].set_index("method")["cost"]
     assert points[:, 0].tolist() == [expected[name] for name in looks if name in expected.index]
+
+
+def test_one_life_on_one_map_has_no_interval_and_is_drawn():
+    frame = lives(no_transfer=2.0)
+    costs = summary.costs(frame[(frame["map"] == "4000") & (frame["seed"] == 0)], HOW)
+    assert costs["high"].isna().all()
+    drawn = figures.overview(costs, beyond.looks_of(STUDY, costs["method"]), dict(zip(FAMILIES, FAMILIES, strict=True)))
+    assert all(np.isfinite(ax.get_xlim()).all() for ax in drawn.axes)

@@ -186,6 +186,8 @@ def test_the_shipped_configurations_are_right(monkeypatch):
         ({"sequences": {"names": ["increasing"]}}, "sequences.names"),
         ({"methods": []}, "methods: is empty, and so is foreign_lives"),
         ({"map": 1}, "map"),
+        ({"article_maps": [1]}, "article_maps: [1] is not allowed"),
+        ({"article_maps": "abc"}, "article_maps: 'abc' is not allowed"),
     ],
 )
 def test_what_cannot_be_run_is_refused(changes, message):
@@ -248,3 +250,13 @@ def test_a_library_of_a_given_size_has_that_many_skills_of_its_finder():
         assert skill.policy.tolist() == graph.shortest_path_policy(skill.subgoal).tolist()
     method.library.update(discover([], graph, [], 2), graph, 1)  # nothing was reached: nothing is added
     assert len(method.library) == 3
+
+
+@pytest.mark.parametrize("label", ["A\u202egnp.exe", "A\x1b[31m", "_hidden", 5])
+def test_a_label_that_cannot_be_shown_is_refused(tmp_path, label):
+    (tmp_path / "mine.py").write_text(
+        "from ptl.methods.no_transfer import Method as NoTransfer\n\n\n"
+        f"class Method(NoTransfer):\n    label = {label!r}\n    colour = '#123456'\n"
+    )
+    with pytest.raises(UserError, match="label"):
+        Study.read({**SMALL, "methods": ["ptl", str(tmp_path / "mine.py")]})

@@ -459,3 +459,28 @@ def test_labels_of_the_heat_map_are_apart_and_in_order() -> None:
     assert (np.diff(moved) >= 1.65 - 1e-9).all()
     assert moved[[0, 4]].tolist() == [0, 12]
     assert abs(moved[1:4].mean() - np.mean([5, 6, 6.5])) < 0.5
+
+
+@pytest.mark.parametrize(
+    ("unknown", "says"),
+    [
+        ({"symbol": "a\ud800b"}, "symbol"),
+        ({"symbol": "_a"}, "symbol"),
+        ({"symbol": "a\u202eb"}, "symbol"),
+        ({"symbol": "a", "values": [0.1, 0.1]}, "share the name"),
+    ],
+)
+def test_symbols_and_values_that_cannot_be_shown_are_refused(content: dict, unknown: dict, says: str) -> None:
+    with pytest.raises(UserError, match=f"learning.alpha.*{says}"):
+        Study.from_dict({**content, "unknowns": {"learning.alpha": unknown}})
+
+
+def test_every_value_makes_a_name_for_files(content: dict) -> None:
+    unknowns = {
+        "learning.alpha": {"symbol": "a", "values": [0.00001]},
+        "env1.start": {"symbol": "b", "values": [["a/b", 1], ["../../x", -1]]},
+        "env1.chain": {"symbol": "c", "values": [{"a b; touch x": 1}]},
+    }
+    names = [setting.name for setting in Study.from_dict({**content, "unknowns": unknowns}).settings()]
+    assert all(re.fullmatch("[a-z0-9_.]+", name) and ".." not in name for name in names)
+    assert "learning.alpha_1e_05" in names

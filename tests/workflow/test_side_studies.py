@@ -1,17 +1,22 @@
-"""The robustness study and the second study use files only for the question that they answer, as the run does."""
+"""Runs, the robustness study and the second study use files only for the question that they answer.
+
+A run on methods of one's own, with results of other programs, is here too.
+"""
 
 from __future__ import annotations
 
 import json
+import os
 import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 import yaml
-from projects import TINY, Project
+from projects import ROOT, TINY, Project
 
 from ptl.files.manifest import _content
 
@@ -25,10 +30,36 @@ SETTINGS: dict[str, Any] = {
 }  # fmt: skip
 
 LIVES: dict[str, Any] = {
-    "run": "beyond", "families": ["rooms"], "maps": 2, "seeds": 2, "methods": ["no_transfer", "ptl"],
+    "run": "beyond", "families": ["rooms"], "maps": 2, "seeds": 2, "methods": ["no_transfer", "ptl", "mine.py"],
     "article_maps": {"rooms": {"map": "rooms.txt", "tasks": "AB"}}, "article_seeds": 2, "learning": {"episodes": 20},
     "explorer": {"methods": ["ptl"]}, "statistics": {"resamples": 100},
 }  # fmt: skip
+
+
+OWN: dict[str, Any] = {
+    **TINY, "environments": {"rooms": {"map": "rooms.txt", "tasks": "AB"}},
+    "methods": ["no_transfer", "full_transfer", "ptl", "mine.py"],
+    "foreign_results": {"theirs": {"file": "theirs.csv"}},
+}  # fmt: skip
+
+MINE = (ROOT / "examples/methods/optimistic.py").read_text()
+
+
+def theirs(steps: int) -> str:
+    """Results of another program: so many steps in every episode."""
+    rows = [
+        f"rooms,theirs,{task},{seed},{episode},{steps}\n"
+        for task in "AB" for seed in range(TINY["seeds"]) for episode in range(1, 21)
+    ]  # fmt: skip
+    return "environment,method,task,seed,episode,steps\n" + "".join(rows)
+
+
+def put(path: Path, text: str) -> None:
+    """Replace a file by one that is older than all that was made from it, as moving and unpacking can do."""
+    other = path.with_name("other")
+    other.write_text(text)
+    os.utime(other, (946_684_800, 946_684_800))
+    other.replace(path)
 
 
 class Side:
@@ -36,6 +67,8 @@ class Side:
 
     def __init__(self, folder: Path, file: str, content: dict[str, Any], results: str, *arguments: str) -> None:
         self.project = Project(folder)
+        (self.project.folder / "mine.py").write_text(MINE)
+        (self.project.folder / "theirs.csv").write_text(theirs(50))
         self.file = self.project.folder / file
         self.results = results
         self.arguments = arguments
@@ -95,7 +128,7 @@ def lives(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Side]:
 
 
 def test_what_the_studies_leave_is_whole(robustness: Side, lives: Side) -> None:
-    for side, files in ((robustness, 3), (lives, 4)):
+    for side, files in ((robustness, 3), (lives, 6)):
         printed = side.verified()
         assert "are whole, in place and consistent" in printed and "not held against" not in printed, printed
         assert int(printed.split()[0]) >= files
@@ -128,7 +161,7 @@ def test_lives_of_another_study_are_refused(lives: Side, record_property: Callab
         lambda made: made["config"].update(seeds=3),
     ):
         assert "was made with another value of" in lives.change_made(change)
-    fewer = {"methods": ["no_transfer"], "explorer": {}}
+    fewer = {"methods": ["no_transfer", "mine.py"], "explorer": {}}
     assert "which is not in the run" in lives.change_made(lambda made: made["config"].update(fewer))
     printed = lives.change_made(lambda made: made["config"].update(methods=["fly"]))
     assert "results/beyond/made.json: cannot be a run's" in printed and printed.count("\n") == 1
@@ -143,11 +176,100 @@ def test_lives_of_another_study_are_refused(lives: Side, record_property: Callab
 def test_a_map_replaced_by_an_older_file_is_learned_anew(lives: Side) -> None:
     rooms = lives.project.folder / "rooms.txt"
     text = rooms.read_text()
-    other = lives.project.folder / "other.txt"
-    other.write_text(text.replace("#..B#", "#.B.#"))
-    shutil.copystat("/etc/hostname", other)
-    other.replace(rooms)
+    put(rooms, text.replace("#..B#", "#.B.#"))
     waiting = lives.project.waiting(*lives.arguments)
-    assert waiting["learn_lives"] == 2 and waiting["check_study"] == 1
+    assert waiting["learn_lives"] == 3 and waiting["check_study"] == 1
     lives.project.make(*lives.arguments)
     assert "are whole" in lives.verified()
+
+
+def test_a_deleted_product_is_made_again(lives: Side) -> None:
+    product = lives.project.folder / "reports/beyond/costs.csv"
+    whole = product.read_bytes()
+    product.unlink()
+    lives.project.make(*lives.arguments)
+    assert product.read_bytes() == whole
+
+
+def test_lives_by_an_edited_method_are_refused(lives: Side) -> None:
+    mine = lives.project.folder / "mine.py"
+    put(mine, MINE.replace("np.ones", "0.5 * np.ones"))
+    lives.forget()
+    printed = lives.refused()
+    assert "learn_lives" in printed
+    lives.mend(printed)
+    assert "are whole" in lives.verified()
+
+
+def test_older_lives_of_other_programs_are_read_anew(lives: Side) -> None:
+    folder = lives.project.folder
+    table = pd.read_csv(folder / "reports/beyond/per_life.csv").query("method == 'ptl'").assign(method="theirs")
+    for factor in (2, 20):
+        put(folder / "lives.csv", table.assign(total_steps=factor * table["optimum"]).to_csv(index=False))
+        lives.write({**LIVES, "foreign_lives": ["lives.csv"], "learning": {"episodes": 20, "alpha": 0.7}})
+        lives.project.make(*lives.arguments)
+        costs = pd.read_csv(folder / "reports/beyond/costs.csv").query("method == 'theirs'")
+        assert costs["cost"].tolist() == pytest.approx([factor] * len(costs))
+
+
+@pytest.fixture
+def own(tmp_path: Path, whole_run: Side) -> Side:
+    """A finished run of which Snakemake remembers nothing."""
+    copy = object.__new__(Side)
+    copy.__dict__.update(whole_run.__dict__)
+    copy.project = object.__new__(Project)
+    copy.project.folder = tmp_path / "copy"
+    copy.file = copy.project.folder / "config/config.yaml"
+    shutil.copytree(whole_run.project.folder, copy.project.folder, symlinks=True)
+    copy.forget()
+    return copy
+
+
+@pytest.fixture(scope="module")
+def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Side:
+    return Side(tmp_path_factory.mktemp("own"), "config/config.yaml", OWN, "results/tiny")
+
+
+def test_a_finished_run_stays_as_it_is(own: Side) -> None:
+    own.project.make()
+    assert "not held against" not in own.verified()
+
+
+@pytest.mark.parametrize("place", ["mine.py", "other/mine.py"])
+def test_lives_by_another_method_of_the_same_name_are_refused(own: Side, place: str) -> None:
+    path = own.project.folder / place
+    path.parent.mkdir(exist_ok=True)
+    put(path, MINE.replace("np.ones", "0.5 * np.ones"))
+    own.write({**OWN, "methods": [*OWN["methods"][:3], place]})
+    printed = own.refused()
+    assert "--forcerun learn" in printed
+    own.mend(printed)
+    assert "are whole" in own.verified()
+
+
+def test_older_results_of_other_programs_are_noticed(own: Side) -> None:
+    put(own.project.folder / "theirs.csv", theirs(500))
+    own.mend(own.refused())
+    table = pd.read_csv(own.project.folder / "reports/tiny/tables/per_seed.csv").query("method == 'theirs'")
+    assert table["total_steps"].tolist() == [500 * 20] * 4
+
+
+def test_a_method_that_leaves_the_run_leaves_every_product(own: Side) -> None:
+    own.write({**OWN, "methods": ["no_transfer", "ptl", "mine.py"]})
+    printed = own.refused()
+    assert "learn" not in printed.partition("--forcerun")[2].partition("'")[0]
+    own.mend(printed)
+    for product in (own.project.folder / "reports/tiny").rglob("*.csv"):
+        assert "full_transfer" not in product.read_text(), product
+
+
+def test_the_command_for_a_missing_product_makes_it(own: Side) -> None:
+    product = own.project.folder / "reports/tiny/tables/metrics.csv"
+    whole = product.read_bytes()
+    for damage in (product.unlink, lambda: product.write_text("x")):
+        damage()
+        printed = own.project.ptl("verify", "reports/tiny").stdout
+        product.unlink(missing_ok=True)
+        own.mend(printed)
+        assert product.read_bytes() == whole
+    assert "are whole" in own.project.ptl("verify", "reports/tiny").stdout

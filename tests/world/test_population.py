@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from dataclasses import replace
 
@@ -143,3 +144,14 @@ def test_a_moving_ai_map_is_read(tmp_path):
             read_moving_ai(path)
     with pytest.raises(UserError, match="with six tasks"):
         place_tasks(np.full((3, 3), FREE), "tiny", 1)
+
+
+@pytest.mark.parametrize("read", [read_moving_ai, read_population])
+def test_devices_and_pipes_in_the_place_of_maps_are_refused_at_once(read, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in ("/dev/zero", tmp_path / "pipe", tmp_path, tmp_path / "none"):
+        with pytest.raises(UserError, match="cannot be read"):
+            read(path)
+    (tmp_path / "odd.csv").write_text("band,family\n\0,x\n")
+    with pytest.raises(UserError):
+        read(tmp_path / "odd.csv")

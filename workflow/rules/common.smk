@@ -55,14 +55,16 @@ shell.prefix(
     f'ptl() {{{{ {shlex.quote(sys.executable)} -m ptl "$@"; }}}}; '
 )
 
-QUESTION = question_of(config, DIGESTS)
 ENVIRONMENTS = list(config["environments"])
 REFERENCES = methods.by_identifier(config["methods"])
 METHODS = list(REFERENCES)
+CODES = {name: learning_code(reference) for name, reference in REFERENCES.items()}
+QUESTION = question_of(config, DIGESTS, CODES)
 BUILT_IN = [name for name in METHODS if REFERENCES[name] == name]
 # The studies of the article's claims know the package's own methods only.
 OWN_CONFIG = {**config, "methods": BUILT_IN, "method_parameters": {}}
 FOREIGN = config["foreign_results"]
+FOREIGN_DIGESTS = {name: sha256(entry["file"]) for name, entry in FOREIGN.items()}
 SEEDS = range(config["seeds"])
 ARTICLE = CONFIGURATION.article
 SECTIONS = (
@@ -105,9 +107,9 @@ def map_digests(names=ENVIRONMENTS):
     return {name: DIGESTS[name] for name in names}
 
 
-def asked(*kinds, environments=ENVIRONMENTS):
+def asked(*kinds, environments=ENVIRONMENTS, methods=None):
     """What files of these kinds must have been made from; whatever reads them checks it."""
-    return {kind: about(QUESTION[kind], environments) for kind in kinds}
+    return {kind: about(QUESTION[kind], environments, methods) for kind in kinds}
 
 
 def section(name):

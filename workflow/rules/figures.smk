@@ -68,6 +68,7 @@ rule draw_figure:
                 if kind in KINDS
             ],
             environments=FIGURES[wildcards.figure].environments,
+            methods=FIGURES[wildcards.figure].methods,
         ),
         maps=lambda wildcards: map_digests(FIGURES[wildcards.figure].environments),
         environments=lambda wildcards: entries(FIGURES[wildcards.figure].environments),

@@ -20,9 +20,10 @@ rule measure:
         groups=groups("measures", "learning"),
         asked=asked(LEARNING),
         environments=entries(),
+        methods=METHODS,
         seeds=config["seeds"],
         foreign=FOREIGN,
-        foreign_digests={name: sha256(entry["file"]) for name, entry in FOREIGN.items()},
+        foreign_digests=FOREIGN_DIGESTS,
         code=code_digest(
             "ptl.study.measures", "ptl.files.verification", "ptl.files.foreign"
         ),

@@ -43,7 +43,7 @@ rule manifest:
         # tells products that were made here from those that were checked out
         made="<results>/made.json",
         # is missing as long as no manifest was written for this configuration, these maps and this code
-        checked=f"<results>/checked/{digest_of(config, DIGESTS, codes())}",
+        checked=f"<results>/checked/{digest_of(config, DIGESTS, QUESTION, codes(), FOREIGN_DIGESTS)}",
     log:
         "<logs>/manifest.log",
     conda:

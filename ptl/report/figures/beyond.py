@@ -107,7 +107,7 @@ def overview(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str
         colours = [looks[method].colour for method in methods]
         ax.hlines(places, own["low"], own["high"], color=colours, linewidth=4, alpha=0.35)
         ax.scatter(own["cost"], places, color=colours, s=42, zorder=3)
-        _cost_axis(ax, "x", 1.0, max(costs["high"].max(), costs["cost"].max()))
+        _cost_axis(ax, "x", 1.0, costs[["cost", "high"]].max().max())
         ax.set_yticks(places, [looks[method].label for method in methods], fontsize=11.5)
         ax.grid(axis="y", visible=False)
     _label_sides(grid, families, "cost, × optimum", "")

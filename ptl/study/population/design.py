@@ -10,11 +10,12 @@ import msgspec
 from ptl import methods
 from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics, check_tasks
 from ptl.errors import UserError
-from ptl.files.configuration import read_yaml
+from ptl.files.configuration import check_text, read_yaml
 from ptl.files.outside import learning_code
 from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code, map_digest
 from ptl.files.schema import LEARNING, LIVES
 from ptl.keys import ConfigurationError, Group, key, repeated
+from ptl.learning.method_check import check_method
 from ptl.methods.beyond import module_of, reference
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.study.population.running import MOVING_AI, Cell, load_moving_ai
@@ -139,11 +140,12 @@ class Study(Parameters, frozen=True, kw_only=True):
         UserError
             One line that names the key, the value and the constraint.
         """
-        article_maps = {name: entry for name, entry in (given.get("article_maps") or {}).items() if entry is not None}
-        study = cls.from_dict({**given, "article_maps": article_maps})
-        methods.by_identifier(map(reference, study.methods))
-        for method in study.methods:
-            methods.load(reference(method))
+        if isinstance(maps := given.get("article_maps", {}), Mapping):
+            given = {**given, "article_maps": {name: entry for name, entry in maps.items() if entry is not None}}
+        study = cls.from_dict(given)
+        for name, method in methods.by_identifier(map(reference, study.methods)).items():
+            check_method(method)
+            check_text(f"methods: label of {name}", methods.load(method).label)
         if not study.methods and not study.foreign_lives:
             raise ConfigurationError("methods", "is empty, and so is foreign_lives; name a method or a file of lives")
         for name in study.library_sizes.methods:
@@ -261,15 +263,24 @@ def _shared(study: Study) -> dict[str, Any]:
     return {"root_seed": study.root_seed, "population": study.population, "parameters": study.parameters}
 
 
-def question_of(study: Study, maps: Mapping[str, str]) -> Question:
+def question_of(study: Study, maps: Mapping[str, str], codes: Mapping[str, str] | None = None) -> Question:
     """Return what the files of lives, and of those that the explorer shows, must have been made from.
 
     Parameters
     ----------
     maps : mapping
         Digests, as `map_digests` returns them.
+    codes : mapping, optional
+        Digest of each method's sources as they are now; without it files by methods from elsewhere may be older.
     """
-    jobs = {cell.name: {"cell": asdict(cell), "maps": maps[cell.name]} for cell in cells(study)}
+    jobs = {
+        cell.name: {
+            "cell": asdict(cell),
+            "maps": maps[cell.name],
+            **({"code": codes[cell.method]} if codes else {}),
+        }
+        for cell in cells(study)
+    }
     parameters = {name: study.parameters[name] for name in READS[LEARNING]}
     names = list(shown(study))
     return {

@@ -4,6 +4,7 @@ Three groups of settings: ``reference`` (replicates of the run's own configurati
 ``one_at_a_time`` (a single unknown moved to each of its values) and ``latin_hypercube`` (all at once).
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,7 +14,7 @@ import numpy as np
 
 from ptl.config import TITLE, Configuration, Parameters
 from ptl.errors import UserError
-from ptl.files.configuration import read_yaml
+from ptl.files.configuration import check_text, read_yaml
 from ptl.keys import ConfigurationError, Group, key, text
 from ptl.world.variants import KINDS
 
@@ -110,7 +111,16 @@ class Study(Group, frozen=True, kw_only=True):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        named: dict[str, str] = {}
         for name, unknown in self.unknowns.items():
+            check_text(f"unknowns.{name}.symbol", unknown.symbol)
+            for value in unknown.values:
+                file = f"{name}_{_file_part(value)}"
+                if file in named:
+                    raise ConfigurationError(
+                        f"unknowns.{name}.values", f"{value} and {named[file]} share the name {file}; keep one of them"
+                    )
+                named[file] = str(value)
             group, _, last = name.partition(".")
             if last in KINDS:
                 continue
@@ -157,9 +167,9 @@ class Setting:
 
 def _file_part(value: Any) -> str:
     if isinstance(value, dict):
-        return "_".join(f"{name}_{_file_part(part)}" for name, part in value.items())
+        return "_".join(f"{_file_part(name)}_{_file_part(part)}" for name, part in value.items())
     parts = value if isinstance(value, list) else [value]
-    return "_".join(str(part).lower() for part in parts)
+    return "_".join(re.sub(r"[^a-z0-9.]+|\.\.+", "_", str(part).lower()) for part in parts)
 
 
 def read_study(path: str | Path) -> Study:
