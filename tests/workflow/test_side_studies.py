@@ -204,10 +204,10 @@ def test_lives_by_an_edited_method_are_refused(lives: Side) -> None:
 def test_older_lives_of_other_programs_are_read_anew(lives: Side) -> None:
     folder = lives.project.folder
     table = pd.read_csv(folder / "reports/beyond/per_life.csv").query("method == 'ptl'").assign(method="theirs")
-    for factor in (2, 20):
+    lives.write({**LIVES, "foreign_lives": ["lives.csv"], "learning": {"episodes": 20, "alpha": 0.7}})
+    for factor, forced in ((2, ("--forcerun", "explore_lives")), (20, ())):  # once, should its state be lost by now
         put(folder / "lives.csv", table.assign(total_steps=factor * table["optimum"]).to_csv(index=False))
-        lives.write({**LIVES, "foreign_lives": ["lives.csv"], "learning": {"episodes": 20, "alpha": 0.7}})
-        lives.project.make(*lives.arguments)
+        lives.project.make(*lives.arguments, *forced)
         costs = pd.read_csv(folder / "reports/beyond/costs.csv").query("method == 'theirs'")
         assert costs["cost"].tolist() == pytest.approx([factor] * len(costs))
 
