@@ -131,7 +131,7 @@ class Parameters(Group, frozen=True, kw_only=True):
         """Build from JSON, as a job gets it on its command line."""
         try:
             given = msgspec.json.decode(text)
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, RecursionError) as error:
             raise UserError(
                 f"parameters: {shortened(text)} is not JSON ({error});"
                 """ give groups of the configuration such as {"learning": {"episodes": 300}}"""

@@ -23,7 +23,7 @@ from ptl.study.measures import BASE
 from ptl.study.population.collect import foreign_lives
 from ptl.study.population.design import Study as Population
 from ptl.world.gridworld import GridWorld, load_map
-from ptl.world.population import POPULATION
+from ptl.world.population import MAPS, POPULATION, SIZE
 
 PACKAGE = Path(__file__).parent
 
@@ -209,13 +209,11 @@ def new_population_study(
     """
     _check_absent(folder)
     references = methods.by_identifier(map(beyond.reference, chosen))
-    for reference in references.values():
-        check_method(reference)
     published = read_yaml(_place("config") / "beyond.yaml")
     config: dict[str, Any] = {
         "run": _run_name(folder),
         "band": band,
-        "maps": maps or published["maps"],
+        "maps": maps or min(published["maps"], MAPS[band, SIZE]),
         "seeds": seeds or published["seeds"],
         "methods": [_kept(name) for name in chosen],
         "foreign_lives": [f"lives/{path.name}" for path in lives],

@@ -22,6 +22,7 @@ cdef class Dynamics:
 @cython.final
 cdef class Learner:
     cdef readonly Dynamics dynamics
+    cdef readonly int64_t episodes  # begun so far
     cdef object _keep, _generator
     cdef unsigned long thread
     cdef bint busy

@@ -290,6 +290,7 @@ cdef class Learner:
         """Put the agent on a state and its step count to zero."""
         self.admit()
         self.enter(checked_index("start", start, self.dynamics.n_states))
+        self.episodes += 1
 
     def explore(self, budget=None, epsilon=None, *, bonus=None, mask=None):
         """Act epsilon-greedily until the goal, the episode's step limit, or ``budget`` primitive steps from here.

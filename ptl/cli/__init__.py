@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 import ptl
-from ptl.errors import UserError
+from ptl.errors import UserError, printable
 
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
 """What people call, in the order of the help."""
@@ -79,6 +79,8 @@ def main() -> None:
         commands(prog_name="ptl")
     except UserError as error:
         sys.exit(f"error: {error}")
+    except UnicodeEncodeError:
+        sys.exit(f"error: {printable(' '.join(sys.argv[1:]))}: is not UTF-8 text")
     finally:
         # All that is alive now dies with the process. Looking through it for garbage takes a tenth of a learning job.
         gc.freeze()

@@ -44,4 +44,6 @@ class Json(click.ParamType):
                 raise UserError(
                     f"{where}{key}: {found.get(key)!r:.60} is not allowed; give a value of type {kind.__name__}"
                 )
+        if "root_seed" in self.keys and not 0 <= found["root_seed"] <= LARGEST:
+            raise UserError(f"{where}root_seed: {found['root_seed']} is not in the range 0 to {LARGEST}")
         return found

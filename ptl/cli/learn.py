@@ -48,7 +48,8 @@ def command(
     check_tasks(tasks, world.goals)
     name, environment = methods.identifier(method), environment or Path(map_path).stem
     learned = shown(tasks_of(world, tasks), "Learning tasks")
-    life = learn_life(world, learned, kind, chosen, root_seed, environment, seed)
+    with methods.blamed(method):
+        life = learn_life(world, learned, kind, chosen, root_seed, environment, seed)
     origin = {
         "environment": environment,
         "method": name,

@@ -69,10 +69,10 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     alone = []
     for path in shown(files, "Verifying"):
         made = None if any_code or path.suffix != ".h5" else made_beside(path)
-        if path.suffix == ".h5" and made is None:
-            alone.append(path)
         if made is not None and made not in runs:
             runs[made] = _question_of(made)
+        if path.suffix == ".h5" and not runs[made]:
+            alone.append(path)
         with asking(runs[made]):
             faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
     for fault in faults:
@@ -85,7 +85,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
             click.echo(printable(f"{len(read(path)['products'])} products are those of {path}"))
     left = list(dict.fromkeys(file for path in paths for file in unchecked(path, files)))
     if alone:
-        click.echo(printable(f"not held against the configuration of a run, for want of its {MADE}: {_named(alone)}"))
+        click.echo(printable(f"not held against the configuration of a run ({MADE}): {_named(alone)}"))
     if left:
         click.echo(printable(f"not checked, because no checksum is kept of them: {_named(left)}"))
 
@@ -96,7 +96,10 @@ def _named(files: list[Path]) -> str:
 
 
 def _question_of(made: Path) -> Question:
-    """Return what the results of a run must have been made from, by the copy of its manifest."""
+    """Return what the results of a run must have been made from, by the copy of its manifest.
+
+    Empty if methods are named by import paths: nothing that a file names is imported.
+    """
     from ptl.config import Configuration
     from ptl.errors import UserError
     from ptl.files.manifest import read
@@ -109,6 +112,8 @@ def _question_of(made: Path) -> Question:
 
     manifest = read(made)
     config, maps = manifest["config"], manifest.get("maps", {})
+    if any(":" in str(name) for name in config.get("methods", ())):
+        return {}
     try:
         if "population" in config:
             return design.question_of(design.Study.from_dict(config), maps)

@@ -211,8 +211,8 @@ def _other_method(attrs: Mapping[str, Any], asked: Mapping[str, Any] | None) -> 
     record = attrs["parameters"].get(RECORD, {})
     if (found := record.get("reference", name)) != asked["reference"]:
         yield f"was made by the method {found}, not by {asked['reference']}"
-    if (own := record.get("parameters", {})) != asked["parameters"]:
-        yield f"was made with {name}'s parameters {shortened(own)}, not {shortened(asked['parameters'])}"
+    if (own := record.get("parameters", {})) != (wanted := asked["parameters"]):
+        yield f"was made with {name}'s parameters {shortened(str(own))}, not {shortened(str(wanted))}"
     if attrs["code"] != asked.get("code", attrs["code"]):
         yield f"was made by another version of the method {name}"
 
@@ -263,6 +263,9 @@ def code_faults(root: Node) -> Iterator[str]:
             return
         present = lives_code(module)
     elif kind == SETTING:
+        if gone := [method for method in attrs["job"]["methods"] if method not in names()]:
+            yield f"was made by the method {shortened(str(gone[0]))}, which is not there"
+            return
         used = [f"ptl.methods.{method}" for method in attrs["job"]["methods"]]
         present = code_digest("ptl.study.robustness.running", *used)
     else:

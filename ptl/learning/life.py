@@ -15,9 +15,13 @@ from ptl.agent.skills import SkillLibrary, Update
 from ptl.agent.subgoals import Discovery, discover
 from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.keys import shortened
 from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
+
+MOST_DRAWN = 2**31 - 1
+"""Largest number of a skill in a result file."""
 
 
 @dataclass(frozen=True)
@@ -103,15 +107,15 @@ def learn_task(
     UserError
         If the method ends an episode before the goal and before the step limit, or returns no list of draws.
     """
-    learning = method.parameters.learning  # a method may have a rate of its own
+    learning, rates = parameters.learning, method.parameters.learning  # a method may have rates of its own
     initial_q = method.begin_task(task.start, task.goal)
     learner = Learner(
         dynamics,
         task.goal,
         steps_stream,
-        alpha=learning.alpha,
-        gamma=learning.gamma,
-        epsilon=learning.epsilon,
+        alpha=rates.alpha,
+        gamma=rates.gamma,
+        epsilon=rates.epsilon,
         max_steps=learning.max_steps,
         initial_q=initial_q,
     )
@@ -121,7 +125,13 @@ def learn_task(
     paths: list[np.ndarray] = []
     for episode in range(learning.episodes):
         learner.begin_episode(task.start)
-        selected.append(_checked_draws(method, method.run_episode(learner)))
+        drawn = method.run_episode(learner)
+        if learner.episodes != episode + 1:
+            raise UserError(
+                f"method {method.label!r}: run_episode began another episode in episode {episode + 1} of task"
+                f" {task.name}; the life begins each one"
+            )
+        selected.append(_checked_draws(method, drawn, learner.steps))
         if not (learner.at_goal or learner.truncated):
             raise UserError(
                 f"method {method.label!r}: run_episode returned in episode {episode + 1} of task {task.name} before the"
@@ -145,12 +155,18 @@ def learn_task(
     return TaskRecord(task, learner.q.copy(), learner.seen, steps, truncated, selected, discovery, update, size)
 
 
-def _checked_draws(method: BaseMethod, drawn: Any) -> list[int]:
-    if isinstance(drawn, list) and all(isinstance(number, (int, np.integer)) for number in drawn):
-        return drawn
-    raise UserError(
-        f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), not {drawn!r}"
-    )
+def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
+    if not isinstance(drawn, list) or not all(isinstance(number, (int, np.integer)) for number in drawn):
+        raise UserError(
+            f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), not"
+            f" {shortened(repr(drawn))}"
+        )
+    if len(drawn) > steps + 1 or not all(0 <= number <= MOST_DRAWN for number in drawn):
+        raise UserError(
+            f"method {method.label!r}: run_episode returned {shortened(repr(drawn))} after {steps} steps; give numbers"
+            f" from 0 to {MOST_DRAWN}, at most one more than steps"
+        )
+    return drawn
 
 
 def learn_life(

@@ -51,13 +51,8 @@ def check_method(method: str | methods.Maker) -> None:
 
 
 def _trial(method: str | methods.Maker) -> Life:
-    try:
-        with _limited(method):
-            return learn_life(TRIAL_WORLD, tasks_of(TRIAL_WORLD, "AB"), method, TRIAL_PARAMETERS, 0, "trial")
-    except UserError:
-        raise
-    except (Exception, SystemExit) as error:  # whatever the method does
-        raise methods.fault(error, method) from error
+    with methods.blamed(method), _limited(method):
+        return learn_life(TRIAL_WORLD, tasks_of(TRIAL_WORLD, "AB"), method, TRIAL_PARAMETERS, 0, "trial")
 
 
 @contextmanager

@@ -16,7 +16,8 @@ from __future__ import annotations
 
 import hashlib
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -137,6 +138,19 @@ def fault(error: BaseException, method: str | Maker) -> UserError:
     except Exception:  # the text of an error is the user's code too
         message = "an error without a text"
     return UserError(f"method {shown(method)}: {type(error).__name__}: {message} ({place})")
+
+
+@contextmanager
+def blamed(method: str | Maker) -> Iterator[None]:
+    """Turn whatever fails in a block that runs a method from elsewhere into one line that names the method."""
+    try:
+        yield
+    except UserError:
+        raise
+    except (Exception, SystemExit) as error:
+        if method in names():
+            raise
+        raise fault(error, method) from error
 
 
 def shown(method: str | Maker) -> str:

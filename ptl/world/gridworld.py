@@ -59,6 +59,8 @@ class GridWorld:
         self._number[tuple(self.cells.T)] = np.arange(len(self.cells))
         self.start, self.goals = self._read_letters(letters)
         self.successors = self._transitions()
+        for array in (self.walls, self.cells, self.successors, self._number):
+            array.flags.writeable = False  # lives share the map
         self._check_reachable()
 
     @classmethod

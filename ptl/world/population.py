@@ -24,6 +24,9 @@ BANDS = {"tuning": 1000, "test": 4000}
 MAPS = {("tuning", 300): 40, ("tuning", 1000): 10, ("test", 300): 100, ("test", 1000): 30, ("test", 3000): 10}
 """Maps of each family by band and size (states, about)."""
 
+SIZE = 300
+"""States of a map, about, where nothing else is said."""
+
 POPULATION = Path("config/population.csv")
 COLUMNS = ("band", "family", "size", "seed", "states", "shortest_paths", "winding", "hash")
 

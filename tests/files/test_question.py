@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -264,3 +265,16 @@ def test_products_with_a_method_that_left_the_run_are_refused_by_name(run: dict[
     with pytest.raises(UserError, match="lives under no_transfer") as refused:
         check_records(Path(), ["table"], fewer, question_of(fewer, MAPS), run["codes"])
     assert "learn" not in str(refused.value).partition("--forcerun")[2]
+
+
+def test_verify_imports_nothing_that_a_manifest_names(
+    tmp_path: Path, life: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("evil.py").write_text("open('imported', 'w')\n")
+    for config in (with_(methods=["evil:Method"]), {"population": "p.csv", "methods": ["evil:Method"]}):
+        manifest = {"config": config, "maps": MAPS, "versions": {}, "products": {"a": "0" * 64}}
+        Path("made.json").write_text(json.dumps({**manifest, "content": _content(manifest)}))
+        done = CliRunner().invoke(commands, ["verify", str(life)], catch_exceptions=False)
+        assert "not held against the configuration" in done.output
+        assert not Path("imported").exists() and "evil" not in sys.modules

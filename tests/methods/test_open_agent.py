@@ -467,3 +467,27 @@ def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypa
     monkeypatch.setattr(method_check, "TRIAL_SECONDS", 0.2)
     with pytest.raises(UserError, match=r"mine\.py: (SystemExit|a life of two tasks .* has not ended)"):
         check_method(str(tmp_path / "mine.py"))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (GOOD.replace("explore()", "explore(); learner.begin_episode(0); learner.explore()"), "began another episode"),
+        (GOOD.replace("return []", "return [0] * (learner.steps + 2)"), "at most one more than steps"),
+        (GOOD.replace("return []", "return [2**40]"), "give numbers from 0 to 2147483647"),
+        (GOOD.replace("learner.explore()", "self.world.successors[0, :] = 1; learner.explore()"), "read-only"),
+    ],
+)
+def test_a_method_cannot_hide_steps_or_change_the_map(tmp_path, text, says):
+    (tmp_path / "own.py").write_text(text)
+    with pytest.raises(UserError, match=says):
+        check_method(str(tmp_path / "own.py"))
+
+
+def test_the_step_limit_is_that_of_the_run():
+    class Impatient(Imported):
+        def __init__(self, world, parameters, random):
+            super().__init__(world, parameters.replace(learning__max_steps=1), random)
+
+    life = learn_life(ROOMS, tasks_of(ROOMS, "AB"), Impatient, Parameters().replace(learning__episodes=5), 1)
+    assert not any(record.truncated.any() for record in life.records)

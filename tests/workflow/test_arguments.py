@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 
 import pytest
@@ -22,6 +23,17 @@ ROBUSTNESS, LIVES = ("robustness", "--output", "x.h5", "--job"), ("lives", "--ou
 FIT = ("fit", "--search", "fit.yaml", "--lives", "lives", "--output", "found", "--config")
 
 
+CELL = {"family": "cave", "size": 300, "sequence": "increasing", "maps": [4000], "seeds": 1, "method": "ptl"}
+JOB = {
+    "cell": CELL, "maps": "", "root_seed": 1, "population": str(ROOT / "config/population.csv"),
+    "parameters": {"learning": {"episodes": 5}},
+}  # fmt: skip
+ODD_CELLS = (
+    {"family": "sea"}, {"maps": [1]}, {"maps": ["x"]}, {"maps": []}, {"sequence": "none"}, {"seeds": 0}, {"size": -1},
+    {"per_task": 2, "method": "no_transfer"}, {"method": "none"}, {"odd": 1},
+)  # fmt: skip
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -38,6 +50,9 @@ FIT = ("fit", "--search", "fit.yaml", "--lives", "lives", "--output", "found", "
         (*ROBUSTNESS, '{"setting": "a", "environments": {}, "methods": ["none"], "seeds": 1, "root_seed": 1,'
                       ' "parameters": {}, "step_budget": 1, "growth": {}}'),
         (*LIVES, '{"cell": {"family": 1}, "maps": "", "parameters": {}, "population": "", "root_seed": 1}'),
+        *((*LIVES, json.dumps({**JOB, "cell": {**CELL, **odd}})) for odd in ODD_CELLS),
+        (*LIVES, json.dumps({**JOB, "root_seed": -7})), (*LIVES, json.dumps({**JOB, "root_seed": 10**30})),
+        (*LEARN, "--parameters", "[" * 10**5),
         (*FIT, "{"), (*FIT, "{}"), (*FIT[:2], "none", *FIT[3:], "{}"),
         ("readme",), ("config-docs", "none"), ("population", "--maps", "folder", "none"), ("show-map", "{"),
         ("inspect", "[0-99999999999]"), ("verify", "[0-99999999999]"), ("metrics", "{"),

@@ -24,4 +24,7 @@ def reference(name: str) -> str:
 def module_of(method: str) -> str:
     """Return the module of this package that defines a method, empty if the method comes from elsewhere."""
     place = reference(method).partition(":")[0]
-    return place if place.startswith("ptl.") else f"ptl.methods.{place}" if place in methods.names() else ""
+    if place in methods.names():
+        return f"ptl.methods.{place}"
+    own = {f"{__name__}.{name}" for name in names()} | {f"ptl.methods.{name}" for name in methods.names()}
+    return place if place in own else ""

@@ -21,7 +21,7 @@ from ptl.methods.ptl import Method as PartialTransfer
 from ptl.study.population.running import MOVING_AI, Cell, load_moving_ai
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.mazes import FAMILIES, GOALS
-from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES, Entry, read_population
+from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES, SIZE, Entry, read_population
 
 MAIN = "increasing"
 """Sequence of tasks of the main comparison, as in the article."""
@@ -71,7 +71,7 @@ class Study(Parameters, frozen=True, kw_only=True):
     band: Annotated[Literal["tuning", "test"], key("Band of maps; what is tuned is tuned on the tuning band only.")] = (
         "test"
     )
-    size: Annotated[int, key("States of a map, about.", ge=1, le=10**6)] = 300
+    size: Annotated[int, key("States of a map, about.", ge=1, le=10**6)] = SIZE
     families: Annotated[list[str], key("Families of maps.", wanted="a list of names")] = msgspec.field(
         default_factory=lambda: list(FAMILIES)
     )

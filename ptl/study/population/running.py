@@ -5,22 +5,29 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import msgspec
 import numpy as np
 
 from ptl import methods
 from ptl.config import Parameters, check_tasks
+from ptl.errors import UserError
 from ptl.files.arrays import write_arrays
 from ptl.files.schema import LIVES
 from ptl.learning.life import learn_life, tasks_of
 from ptl.methods.beyond import reference
 from ptl.methods.beyond._sized import sized
+from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld, load_map
-from ptl.world.population import Entry, load_entry, place_tasks, read_moving_ai, read_population, winding
+from ptl.world.population import SEQUENCES, Entry, load_entry, place_tasks, read_moving_ai, read_population, winding
 
 MOVING_AI = "moving_ai"
 """Family of the maps read from Moving AI files."""
+
+
+SOME = msgspec.Meta(min_length=1)
+FROM_0, FROM_1 = msgspec.Meta(ge=0), msgspec.Meta(ge=1, le=10**5)
 
 
 @dataclass(frozen=True)
@@ -44,12 +51,12 @@ class Cell:
     """
 
     family: str
-    size: int
+    size: Annotated[int, FROM_0]
     sequence: str
-    maps: list[int | str]
-    seeds: int
+    maps: Annotated[list[int | str], SOME]
+    seeds: Annotated[int, FROM_1]
     method: str
-    per_task: int = 0
+    per_task: Annotated[int, FROM_0] = 0
     tasks: str = ""
 
     @property
@@ -72,20 +79,23 @@ def run_cell(job: Mapping[str, Any], output: str | Path, code: str) -> None:
     code : str
         Digest of the sources, kept in the file.
     """
-    cell = Cell(**job["cell"])
+    cell = msgspec.convert(job["cell"], Cell)
     parameters = Parameters.from_dict(job["parameters"])
     kind = methods.load(reference(cell.method))
     if cell.per_task:
-        kind = sized(kind, methods.identifier(kind), cell.per_task)  # type: ignore[arg-type]
+        if not issubclass(kind, PartialTransfer):
+            raise UserError(f"per_task: {cell.per_task} skills a task need a variant of ptl, not {cell.method}")
+        kind = sized(kind, methods.identifier(kind), cell.per_task)
     arrays: dict[str, list[Any]] = {name: [] for name in ("steps", "first", "truncated", "library_size")}
     arrays |= {"shortest": [], "states": [], "winding": []}
     for place, world in worlds(cell, job["population"]):
         tasks = tasks_of(world, cell.tasks or "".join(world.goals))
         names = (cell.family, cell.size, cell.sequence, place)
-        lives = [
-            learn_life(world, tasks, kind, parameters, job["root_seed"], *names, seed).records
-            for seed in range(cell.seeds)
-        ]
+        with methods.blamed(cell.method):
+            lives = [
+                learn_life(world, tasks, kind, parameters, job["root_seed"], *names, seed).records
+                for seed in range(cell.seeds)
+            ]
         arrays["steps"].append([[record.steps.sum() for record in life] for life in lives])
         arrays["first"].append([[record.steps[0] for record in life] for life in lives])
         arrays["truncated"].append([[record.truncated.sum() for record in life] for life in lives])
@@ -107,6 +117,11 @@ def worlds(cell: Cell, population: str | Path) -> Iterator[tuple[int | str, Grid
             (entry.family, entry.size, entry.seed): entry for entry in read_population(population)
         }
         for seed in cell.maps:
+            if (cell.family, cell.size, seed) not in rows or cell.sequence not in SEQUENCES:
+                raise UserError(
+                    f"{population}: has no map of the family {cell.family}, size {cell.size} and seed {seed} with"
+                    f" {cell.sequence} tasks"
+                )
             yield seed, load_entry(rows[cell.family, cell.size, int(seed)], cell.sequence)
         return
     for path in map(str, cell.maps):
