@@ -105,8 +105,11 @@ def learn_task(
     Raises
     ------
     UserError
-        If the method ends an episode before the goal and before the step limit, or returns no list of draws.
+        If the task starts at its goal, or the method ends an episode before the goal and before the step limit, begins
+        one, or returns no list of draws.
     """
+    if task.start == task.goal:
+        raise UserError(f"task {task.name}: starts at its goal, state {task.goal}; give two states")
     learning, rates = parameters.learning, method.parameters.learning  # a method may have rates of its own
     initial_q = method.begin_task(task.start, task.goal)
     learner = Learner(
@@ -156,17 +159,13 @@ def learn_task(
 
 
 def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
-    if not isinstance(drawn, list) or not all(isinstance(number, (int, np.integer)) for number in drawn):
-        raise UserError(
-            f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), not"
-            f" {shortened(repr(drawn))}"
-        )
-    if len(drawn) > steps + 1 or not all(0 <= number <= MOST_DRAWN for number in drawn):
-        raise UserError(
-            f"method {method.label!r}: run_episode returned {shortened(repr(drawn))} after {steps} steps; give numbers"
-            f" from 0 to {MOST_DRAWN}, at most one more than steps"
-        )
-    return drawn
+    fits = isinstance(drawn, list) and len(drawn) <= steps + 1
+    if fits and all(isinstance(number, (int, np.integer)) and 0 <= number <= MOST_DRAWN for number in drawn):
+        return drawn
+    raise UserError(
+        f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), numbers from 0"
+        f" to {MOST_DRAWN} and at most one more than steps, not {shortened(repr(drawn))}"
+    )
 
 
 def learn_life(

@@ -223,11 +223,11 @@ class Method(NoTransfer):
 def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A life by a method that is a file of this folder."""
     monkeypatch.chdir(tmp_path)
-    Path("mine.py").write_text(MINE)
+    Path("starting.py").write_text(MINE)
     Path("rooms.txt").write_text(ROOMS.text)
-    life = Path("learning/rooms/mine/seed_000.h5")
+    life = Path("learning/rooms/starting/seed_000.h5")
     arguments = (
-        f"learn --map rooms.txt --environment rooms --tasks AB --method mine.py --seed 0 --root-seed {ROOT_SEED}"
+        f"learn --map rooms.txt --environment rooms --tasks AB --method starting.py --seed 0 --root-seed {ROOT_SEED}"
     )
     parameters = json.dumps(QUICK.to_dict())
     CliRunner().invoke(
@@ -239,22 +239,22 @@ def mine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize(
     ("changes", "codes", "fault"),
     [
-        ({"methods": ["ptl"]}, None, "is of the method mine, which is not in the run"),
-        ({"methods": ["other/mine.py"]}, None, "was made by the method mine.py, not by other/mine.py"),
-        ({"method_parameters": {"mine": {"start": 0.0}}}, None, "was made with mine's parameters"),
-        ({}, {"mine": "0" * 16}, "was made by another version of the method mine"),
+        ({"methods": ["ptl"]}, None, "is of the method starting, which is not in the run"),
+        ({"methods": ["other/starting.py"]}, None, "was made by the method starting.py, not by other/starting.py"),
+        ({"method_parameters": {"starting": {"start": 0.0}}}, None, "was made with starting's parameters"),
+        ({}, {"starting": "0" * 16}, "was made by another version of the method starting"),
     ],
 )
 def test_a_life_by_another_method_is_refused(mine: Path, changes: Any, codes: Any, fault: str) -> None:
-    config = with_(**{"methods": ["mine.py"], "method_parameters": {"mine": {"start": 1.0}}, **changes})
+    config = with_(**{"methods": ["starting.py"], "method_parameters": {"starting": {"start": 1.0}}, **changes})
     with asking(question_of(config, MAPS, codes)), pytest.raises(UserError, match=fault):
         read_result(mine)
 
 
 def test_a_life_by_the_method_of_the_run_is_read(mine: Path) -> None:
-    config = with_(methods=["mine.py"], method_parameters={"mine": {"start": 1.0}})
-    with asking(question_of(config, MAPS, {"mine": learning_code("mine.py")})):
-        assert read_result(mine).method == "mine"
+    config = with_(methods=["starting.py"], method_parameters={"starting": {"start": 1.0}})
+    with asking(question_of(config, MAPS, {"starting": learning_code("starting.py")})):
+        assert read_result(mine).method == "starting"
 
 
 def test_products_with_a_method_that_left_the_run_are_refused_by_name(run: dict[str, Any]) -> None:

@@ -123,3 +123,8 @@ def test_method_that_gives_up_early_is_refused(monkeypatch):
     monkeypatch.setattr(methods, "load", lambda name: Impatient)
     with pytest.raises(UserError, match=r"method 'Impatient': run_episode returned in episode 1 of task A before the"):
         live("impatient")
+
+
+def test_a_task_that_starts_at_its_goal_is_refused(env3):
+    with pytest.raises(UserError, match="task A: starts at its goal, state 3"):
+        learn_life(env3, [Task("A", 3, 3)], "no_transfer", Parameters(), 1)

@@ -474,7 +474,7 @@ def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypa
     [
         (GOOD.replace("explore()", "explore(); learner.begin_episode(0); learner.explore()"), "began another episode"),
         (GOOD.replace("return []", "return [0] * (learner.steps + 2)"), "at most one more than steps"),
-        (GOOD.replace("return []", "return [2**40]"), "give numbers from 0 to 2147483647"),
+        (GOOD.replace("return []", "return [2**40]"), "numbers from 0 to 2147483647"),
         (GOOD.replace("learner.explore()", "self.world.successors[0, :] = 1; learner.explore()"), "read-only"),
     ],
 )
