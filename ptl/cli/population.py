@@ -11,7 +11,7 @@ from ptl.world.population import BANDS, POPULATION
 
 @click.command()
 @click.argument("path", type=click.Path(dir_okay=False), default=POPULATION)
-@click.option("--maps", "folder", type=click.Path(path_type=Path),
+@click.option("--maps", "folder", type=click.Path(file_okay=False, path_type=Path),
               help="Read the table at PATH and write its maps to this folder, for other programs:"
                    " <family>_<size>_<seed>.txt, goals A to F in the order in which they are learned.")  # fmt: skip
 @click.option("--band", type=click.Choice(list(BANDS)), default="test", help="With --maps: maps of this band.")

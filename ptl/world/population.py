@@ -8,14 +8,15 @@ from __future__ import annotations
 
 import csv
 import hashlib
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from ptl.errors import UserError
-from ptl.world.gridworld import GridWorld, read_text
+from ptl.world.gridworld import MAX_CELLS, GridWorld, read_text
 from ptl.world.mazes import FAMILIES, FREE, GOALS, START, WALL, largest_part, to_text
 
 BANDS = {"tuning": 1000, "test": 4000}
@@ -29,6 +30,9 @@ SIZE = 300
 
 POPULATION = Path("config/population.csv")
 COLUMNS = ("band", "family", "size", "seed", "states", "shortest_paths", "winding", "hash")
+
+HEADER = re.compile(r"type +\S.*\nheight +([0-9]+) *\nwidth +([0-9]+) *\nmap *\n")
+"""Header of a map in the Moving AI text format."""
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,8 @@ class Entry:
         Mean over the goals of shortest path / straight line, both from the start.
     hash : str
         First 16 digits of the sha256 of the map's text.
+    table : path
+        Where the row was read.
     """
 
     band: str
@@ -57,6 +63,7 @@ class Entry:
     shortest_paths: tuple[int, ...]
     winding: float
     hash: str
+    table: str | Path = field(default=POPULATION, compare=False, repr=False)
 
 
 # -- sequences of tasks --------------------------------------------------------------------------------------
@@ -154,17 +161,19 @@ def read_moving_ai(path: str | Path) -> np.ndarray:
     UserError
         When the file cannot be read, or its header and its rows do not agree.
     """
-    lines = read_text(path).splitlines()
-    header = dict(line.split(maxsplit=1) for line in lines[:3] if len(line.split()) > 1)
-    rows = [line for line in lines[4:] if line]
-    sizes = [header.get("height"), header.get("width")]
-    if lines[3:4] != ["map"] or sizes != [str(len(rows)), str(len(rows[0]) if rows else 0)]:
+    text = read_text(path).replace("\r\n", "\n")
+    header = HEADER.match(text)
+    # Only line feeds end a row, as in the maps of this package.
+    rows = [line for line in text[header.end() :].split("\n") if line] if header else []
+    if header is None or not rows or header.groups() != (str(len(rows)), str(len(rows[0]))):
         raise UserError(
             f"{path}: a Moving AI map begins with the lines 'type', 'height', 'width' and 'map', and its rows must"
             " agree with them"
         )
     if len({len(row) for row in rows}) > 1:
         raise UserError(f"{path}: the rows of a Moving AI map must be equally long")
+    if len(rows) * len(rows[0]) > MAX_CELLS:
+        raise UserError(f"{path}: the map has more than {MAX_CELLS} cells; use a smaller one")
     return np.where(np.isin([list(row) for row in rows], list(".GS")), FREE, WALL)
 
 
@@ -205,22 +214,46 @@ def read_population(path: str | Path = POPULATION) -> list[Entry]:
     Raises
     ------
     UserError
-        When it cannot be read or has other columns.
+        When it cannot be read, has other columns, or a row cannot be that of a map of the population.
     """
-    text = read_text(path)
+    rows = csv.DictReader(read_text(path).split("\n"))
     try:
-        rows = list(csv.DictReader(text.splitlines()))
-        return [
-            Entry(
-                row["band"], row["family"], int(row["size"]), int(row["seed"]), int(row["states"]),
-                tuple(map(int, row["shortest_paths"].split())), float(row["winding"]), row["hash"],
-            )
-            for row in rows
-        ]  # fmt: skip
+        return [_entry(row, path) for row in rows]
     except (AttributeError, csv.Error, KeyError, ValueError, TypeError) as error:
         raise UserError(
-            f"{path}: cannot be read as a table of maps ({error!r}); run 'ptl population' to make it"
+            f"{path}: line {rows.line_num}: is no row of a table of maps ({error!r:.100}); run 'ptl population' to make"
+            " the table"
         ) from None
+
+
+def _entry(row: Mapping[str, str], table: str | Path) -> Entry:
+    """Return what a row of the table says.
+
+    Raises
+    ------
+    ValueError
+        Naming the first column that holds what it never holds; other errors if there is no such column or number.
+    """
+    entry = Entry(
+        row["band"], row["family"], int(row["size"]), int(row["seed"]), int(row["states"]),
+        tuple(map(int, row["shortest_paths"].split())), float(row["winding"]), row["hash"], table,
+    )  # fmt: skip
+    first, maps = BANDS.get(entry.band, 0), MAPS.get((entry.band, entry.size), 0)
+    paths = entry.shortest_paths
+    holds = {
+        "band": entry.band in BANDS,
+        "family": entry.family in FAMILIES,
+        "size": maps > 0,
+        "seed": first <= entry.seed < first + maps,
+        "states": entry.size <= 2 * entry.states <= 4 * entry.size,
+        "shortest_paths": len(paths) == len(GOALS) and all(1 <= path < entry.states for path in paths),
+        "winding": 1 <= entry.winding < entry.states,
+        "hash": re.fullmatch("[0-9a-f]{16}", entry.hash) is not None,
+    }
+    for column, right in holds.items():
+        if not right:
+            raise ValueError(f"{column} {row[column]}")
+    return entry
 
 
 def to_csv(entries: Iterator[Entry]) -> str:
@@ -245,7 +278,7 @@ def load_entry(entry: Entry, sequence: str = "increasing") -> GridWorld:
     made = make_map(entry.family, entry.size, entry.seed)
     if hash_of(made) != entry.hash:
         raise UserError(
-            f"map {made.name}: is not the one in {POPULATION} (hash {hash_of(made)}, not {entry.hash}); use the version"
-            " of numpy in requirements.lock"
+            f"map {made.name}: is not the one in {entry.table} (hash {hash_of(made)}, not {entry.hash}); use the"
+            " version of numpy in requirements.lock"
         )
     return made if sequence == "increasing" else make_map(entry.family, entry.size, entry.seed, sequence)

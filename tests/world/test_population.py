@@ -9,10 +9,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from projects import ROOT
 
+from ptl.cli.population import command
 from ptl.errors import UserError
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import MAX_CELLS, GridWorld
 from ptl.world.mazes import FAMILIES, FREE, largest_part, to_text
 from ptl.world.population import (
     BANDS,
@@ -66,6 +68,37 @@ def test_the_table_is_read_back(tmp_path):
     path.write_text("band,family\n1,2\n")
     with pytest.raises(UserError, match="run 'ptl population'"):
         read_population(path)
+
+
+@pytest.mark.parametrize(
+    ("column", "text"),
+    [
+        ("band", "own"), ("family", "castle"), ("size", "301"), ("size", "0"), ("seed", "-1"), ("seed", "1000"),
+        ("seed", "9" * 5000), ("size", "9" * 400), ("states", "0"), ("states", "5000"), ("shortest_paths", "1 2 3"),
+        ("shortest_paths", "1 2 7 9 13 0"), ("shortest_paths", "1 2 7 9 13 999"), ("winding", "nan"),
+        ("winding", "0.5"), ("hash", "x"),
+    ],
+)  # fmt: skip
+def test_rows_of_no_map_of_the_population_are_refused(column, text, tmp_path):
+    path = tmp_path / "maps.csv"
+    header, *rows = to_csv(entry for entry in TABLE if entry.seed in (4000, 4001)).splitlines()
+    cells = dict(zip(header.split(","), rows[1].split(","), strict=True))
+    path.write_text("\n".join([header, rows[0], ",".join({**cells, column: text}.values()), *rows[2:]]))
+    with pytest.raises(UserError, match=r"maps\.csv: line 3: is no row of a table of maps"):
+        read_population(path)
+
+
+def test_a_map_of_another_table_is_refused_with_the_name_of_that_table(tmp_path):
+    path = tmp_path / "maps.csv"
+    path.write_text(to_csv(iter([replace(SMALL[0], hash="0" * 16)])))
+    with pytest.raises(UserError, match=rf"is not the one in {path} \("):
+        load_entry(read_population(path)[0])
+
+
+def test_maps_are_not_written_to_a_file(tmp_path):
+    (tmp_path / "maps").touch()
+    arguments = [str(ROOT / "config/population.csv"), "--maps", str(tmp_path / "maps")]
+    assert "is a file" in CliRunner().invoke(command, arguments).output
 
 
 def test_sizes_are_about_what_was_wanted():
@@ -138,12 +171,20 @@ def test_a_moving_ai_map_is_read(tmp_path):
     world = place_tasks(read_moving_ai(path), "small", 1)
     assert (world.n_states, len(world.goals)) == (15, 6)
     for wrong in (MOVING_AI.replace("height 4", "height 3"), MOVING_AI.replace("map\n", ""), "", "\xe4",
-                  MOVING_AI.replace(".....", "....")):  # fmt: skip
+                  MOVING_AI.replace(".....", "...."), MOVING_AI.replace("type octile", "height 4"),
+                  MOVING_AI.replace(".....\nOO", ".....\x0bOO")):  # fmt: skip
         path.write_text(wrong)
         with pytest.raises(UserError, match=r"small\.map: .*Moving AI map"):
             read_moving_ai(path)
     with pytest.raises(UserError, match="with six tasks"):
         place_tasks(np.full((3, 3), FREE), "tiny", 1)
+
+
+def test_a_moving_ai_map_of_too_many_cells_is_refused(tmp_path):
+    path = tmp_path / "large.map"
+    path.write_text(f"type octile\nheight 2\nwidth {MAX_CELLS}\nmap\n" + ("." * MAX_CELLS + "\n") * 2)
+    with pytest.raises(UserError, match=rf"large\.map: the map has more than {MAX_CELLS} cells"):
+        read_moving_ai(path)
 
 
 @pytest.mark.parametrize("read", [read_moving_ai, read_population])
