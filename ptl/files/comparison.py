@@ -10,20 +10,22 @@ from __future__ import annotations
 
 import base64
 import csv
-import gzip
 import io
 import re
+import struct
 import subprocess
+import warnings
+import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal, DecimalException
 from itertools import zip_longest
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING, Any, Protocol
 
-from ptl.errors import UserError
+from ptl.errors import UserError, printable
 from ptl.files.manifest import MADE, MANIFEST, parse, read
-from ptl.files.regular import sha256
+from ptl.files.regular import NotReadable, read_bytes, sha256
 
 if TYPE_CHECKING:
     import numpy as np
@@ -36,6 +38,12 @@ PUBLISHED = "published"
 
 KEPT = ".published"
 """Folder of that copy, made by ``make reproduce`` where there is no git."""
+
+MOST_BYTES = 2**26
+"""Most bytes of a product, and of the data packed in it; more is not read."""
+
+MOST_PIXELS = 2**24
+"""Most pixels of a picture."""
 
 LISTED = 6
 """Products, keys and claims that are named; of more only the number is given."""
@@ -60,7 +68,7 @@ class Reference(Protocol):
         """How messages call it."""
 
     def read(self, product: str) -> bytes | None:
-        """Return the content of a product, None if it is not there."""
+        """Return the content of a product, None if it cannot be read."""
 
     def manifest(self) -> dict[str, Any]:
         """Return the manifest."""
@@ -74,9 +82,8 @@ class FolderReference:
     name: str
 
     def read(self, product: str) -> bytes | None:
-        """Return the content of a product, None if it is not there."""
-        path = self.folder / product
-        return path.read_bytes() if path.is_file() else None
+        """Return the content of a product, None if it cannot be read."""
+        return _content(self.folder / product)
 
     def manifest(self) -> dict[str, Any]:
         """Return the manifest."""
@@ -108,7 +115,7 @@ class RevisionReference:
                 f"{self.folder}: git {self.revision} holds no {MANIFEST} there; give a revision that has one, or a"
                 " report folder"
             )
-        return parse(text.decode(), Path(f"{self.revision}:{self.folder}/{MANIFEST}"))
+        return parse(text.decode("utf-8", "replace"), Path(f"{self.revision}:{self.folder}/{MANIFEST}"))
 
 
 def _git(folder: Path, *arguments: str) -> bytes | None:
@@ -156,8 +163,8 @@ def reference(text: str, folder: Path) -> Reference:
 def _of_another_run(other: Reference, folder: Path) -> Reference:
     """Refuse to take products that were checked out for those of a run made here."""
     made = folder.parent.parent / "results" / folder.name / MADE
-    own = folder / MANIFEST
-    if own.is_file() and not (made.is_file() and made.read_bytes() == own.read_bytes()):
+    own = _content(folder / MANIFEST)
+    if own is not None and own != _content(made):
         raise UserError(
             f"{folder}: holds products that came with the package, not those of a run made here ({made} does not match"
             " its manifest), and would be compared with themselves; run 'make reproduce'"
@@ -204,7 +211,7 @@ class Comparison:
         return not (self.different or self.missing or self.verdicts)
 
     def __str__(self) -> str:
-        return "\n".join(self.lines())
+        return "\n".join(map(printable, self.lines()))
 
     def lines(self) -> Iterator[str]:
         """Yield the verdict on the rerun in a few lines."""
@@ -252,7 +259,7 @@ def compare(folder: Path, other: Reference) -> Comparison:
     alike = {*outcomes["equal"], *outcomes["close"]}
     for name in outcomes["different"][:]:
         twins = {str(PurePosixPath(name).with_suffix(suffix)) for suffix in (".csv", ".svg")}
-        if name.endswith(".png") and twins <= alike and _sizes_equal((folder / name).read_bytes(), other.read(name)):
+        if name.endswith(".png") and twins <= alike and _sizes_equal(_content(folder / name), other.read(name)):
             outcomes["different"].remove(name)
             outcomes["close"].append(name)
     before, after = _verdicts(other.read("claims.csv")), _verdicts(_content(folder / "claims.csv"))
@@ -268,24 +275,33 @@ def compare(folder: Path, other: Reference) -> Comparison:
 
 
 def _outcome(path: Path, digest: str, name: str, other: Reference) -> str:
-    if not path.is_file():
-        return "missing"
-    if sha256(path) == digest:
-        return "equal"
-    content, theirs = path.read_bytes(), other.read(name)
-    if theirs is None:
+    try:
+        if sha256(path) == digest:
+            return "equal"
+    except NotReadable as error:
+        return "missing" if error.missing else "different"
+    content, theirs = _content(path), other.read(name)
+    if content is None or theirs is None:
         return "different"
     alike = look_alike(content, theirs) if name.endswith(".png") else read_alike(content, theirs)
     return "close" if alike else "different"
 
 
 def _content(path: Path) -> bytes | None:
-    return path.read_bytes() if path.is_file() else None
+    """Return the content of a file, None if it cannot be read."""
+    try:
+        return read_bytes(path, MOST_BYTES)
+    except NotReadable:
+        return None
 
 
 def _verdicts(content: bytes | None) -> dict[str, str]:
+    """Return the verdict of each claim by its id, none if the table cannot be read."""
     rows = csv.DictReader(io.StringIO((content or b"").decode("utf-8", "replace")))
-    return {str(row.get("id")): str(row.get("verdict")) for row in rows}
+    try:
+        return {str(row.get("id")): str(row.get("verdict")) for row in rows}
+    except csv.Error:
+        return {}
 
 
 def _changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
@@ -310,20 +326,24 @@ def look_alike(ours: bytes, theirs: bytes) -> bool:
     return int(np.abs(pixels - others).max()) <= GREY_LEVELS
 
 
-def _sizes_equal(ours: bytes, theirs: bytes | None) -> bool:
-    pixels, others = _pixels(ours), _pixels(theirs or b"")
+def _sizes_equal(ours: bytes | None, theirs: bytes | None) -> bool:
+    pixels, others = _pixels(ours or b""), _pixels(theirs or b"")
     return pixels is not None and others is not None and pixels.shape == others.shape
 
 
 def _pixels(png: bytes) -> np.ndarray | None:
-    """Return the channels of a PNG, int array (rows, columns, 4), or None if it is damaged."""
+    """Return the channels of a PNG, int array (rows, columns, 4), or None if it is damaged or too large."""
     import numpy as np
     from PIL import Image
 
     try:
-        with Image.open(io.BytesIO(png)) as image:
-            return np.asarray(image.convert("RGBA"), dtype=int)
-    except (OSError, SyntaxError, ValueError):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(png), formats=["PNG"]) as image:
+                if image.width * image.height > MOST_PIXELS:
+                    return None
+                return np.asarray(image.convert("RGBA"), dtype=np.int16)
+    except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error, Image.DecompressionBombError):
         return None
 
 
@@ -331,7 +351,7 @@ def read_alike(ours: bytes, theirs: bytes) -> bool:
     """Return whether two texts differ in nothing but the last printed digit of numbers that are not whole."""
     try:
         one, other = (_unpacked(content.decode()) for content in (ours, theirs))
-    except (UnicodeDecodeError, ValueError, OSError, EOFError):
+    except (ValueError, zlib.error):
         return False
     between = zip_longest(_NUMBER.split(one), _NUMBER.split(other))
     if any(part != counterpart for part, counterpart in between):
@@ -340,8 +360,25 @@ def read_alike(ours: bytes, theirs: bytes) -> bool:
 
 
 def _unpacked(text: str) -> str:
-    text = _PACKED.sub(lambda match: gzip.decompress(base64.b64decode(match.group())).decode(), text)
-    return _IDENTIFIER.sub("identifier", text)
+    """Return a text with its packed data unpacked and its identifiers all alike.
+
+    Raises
+    ------
+    ValueError, zlib.error
+        If packed data are damaged or too large.
+    """
+    left = MOST_BYTES
+
+    def unpack(match: re.Match[str]) -> str:
+        nonlocal left
+        gzip = zlib.decompressobj(zlib.MAX_WBITS | 16)
+        data = gzip.decompress(base64.b64decode(match.group()), left + 1)
+        left -= len(data)
+        if left < 0 or not gzip.eof:
+            raise ValueError("packed data are too large or end too early")
+        return data.decode()
+
+    return _IDENTIFIER.sub("identifier", _PACKED.sub(unpack, text))
 
 
 def _close(one: str, other: str) -> bool:
@@ -349,7 +386,7 @@ def _close(one: str, other: str) -> bool:
         return True
     try:
         a, b = (Decimal(text.replace("−", "-")) for text in (one, other))
-    except InvalidOperation:
+        finest = min(int(value.as_tuple().exponent) for value in (a, b))
+        return finest < 0 and abs(a - b) <= Decimal(1).scaleb(finest)
+    except DecimalException:  # an exponent beyond all numbers
         return False
-    finest = min(int(value.as_tuple().exponent) for value in (a, b))
-    return finest < 0 and abs(a - b) <= Decimal(1).scaleb(finest)

@@ -7,6 +7,7 @@ import gzip
 import json
 import shutil
 import subprocess
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from PIL import Image
 
 from ptl.cli.verify import command
 from ptl.errors import UserError
-from ptl.files import manifest
+from ptl.files import comparison, manifest
 from ptl.files.comparison import GREY_LEVELS, KEPT, PUBLISHED, NothingToCompareError, compare, read_alike, reference
 
 CLAIMS = "id,verdict\nE1,reproduced\nE2,not reproduced\n"
@@ -104,6 +105,57 @@ def test_packed_data_are_compared_unpacked():
     assert page(1, "0.5") != page(9, "0.5")
     assert read_alike(page(1, "0.5"), page(9, "0.5"))
     assert not read_alike(page(1, "0.5"), page(9, "0.7"))
+
+
+@pytest.mark.parametrize(
+    "damaged", [gzip.compress(b"a" * 99)[:-9] + b"\0" * 30, gzip.compress(bytes(range(256)))[:-40]]
+)
+def test_damaged_packed_data_are_within_no_tolerance(damaged):
+    page = base64.b64encode(damaged)
+    assert not read_alike(page + b" 0.5", page + b" 0.6")
+
+
+def test_packed_data_are_unpacked_up_to_a_limit(monkeypatch):
+    page = base64.b64encode(gzip.compress(bytes(10**5)))
+    assert read_alike(page + b" 0.5", page + b" 0.6")
+    monkeypatch.setattr(comparison, "MOST_BYTES", 10**5 - 1)
+    assert not read_alike(page + b" 0.5", page + b" 0.6")
+
+
+@pytest.mark.parametrize("number", [b"0.1e-999999999", b"1.5e999999999", b"0.1e-" + b"9" * 30])
+def test_numbers_beyond_all_range_are_within_no_tolerance(number):
+    assert not read_alike(number, b"0.5")
+
+
+@pytest.mark.parametrize("side", [10**5, 13_000])
+def test_pictures_too_large_to_look_at_differ_without_a_warning(mine, theirs, side, recwarn):
+    header, size = b"IHDR", side.to_bytes(4, "big")
+    chunk = header + size + size + bytes([8, 0, 0, 0, 0])
+    sealed = b"\x89PNG\r\n\x1a\n" + (13).to_bytes(4, "big") + chunk + zlib.crc32(chunk).to_bytes(4, "big")
+    (mine / "a.png").write_bytes(sealed)
+    assert outcome(mine, theirs, "a.png") == "different"
+    assert not recwarn.list
+
+
+def test_claims_that_cannot_be_read_have_no_verdicts(mine, theirs):
+    (mine / "claims.csv").write_text(f"id,verdict\nE1,{'x' * 200_000}\n")
+    found = compare(mine, reference(str(theirs), mine))
+    assert found.different == ["claims.csv"]
+    assert found.verdicts == {"E1": ("reproduced", "-"), "E2": ("not reproduced", "-")}
+
+
+def test_names_of_claims_are_printed_without_control_characters(mine, theirs):
+    (mine / "claims.csv").write_text("id,verdict\nE\x1b[31m,reproduced\n")
+    assert r"E\x1b[31m (-, here reproduced)" in str(compare(mine, reference(str(theirs), mine)))
+
+
+def test_a_reference_that_is_no_ordinary_file_is_never_waited_for(mine, theirs):
+    (mine / "a.csv").write_text("else\n")
+    for other in ("/proc/self/status", "/dev/zero"):  # of the system's: without an end or a size
+        (theirs / "a.csv").unlink()
+        (theirs / "a.csv").symlink_to(other)
+        assert not reference(str(theirs), mine).read("a.csv")
+        assert outcome(mine, theirs, "a.csv") == "different"
 
 
 @pytest.mark.parametrize(("levels", "expected"), [(GREY_LEVELS, "close"), (GREY_LEVELS + 1, "different")])
