@@ -28,7 +28,7 @@ MOST_BYTES = 2**24
 """Most bytes of a manifest."""
 
 PARTS = {"config": dict, "versions": dict, "products": dict, "content": str}
-LATER = "maps"
+LATER = {"maps": dict}
 """Part that manifests of version 1.0 do not have."""
 
 DIGEST = re.compile("[0-9a-f]{64}")
@@ -114,11 +114,14 @@ def parse(text: str, manifest_path: Path) -> dict[str, Any]:
 
 def _check(manifest: Any) -> None:
     """Refuse what the workflow never writes, above all names of products that lead out of the report folder."""
-    if not isinstance(manifest, dict) or not set(PARTS) <= set(manifest) <= {*PARTS, LATER}:
+    if not isinstance(manifest, dict) or not set(PARTS) <= set(manifest) <= {*PARTS, *LATER}:
         raise Misfit(f"must have the keys {', '.join(PARTS)}")
-    for name, kind in PARTS.items():
-        if not isinstance(manifest[name], kind):
+    for name, kind in {**PARTS, **LATER}.items():
+        if name in manifest and not isinstance(manifest[name], kind):
             raise Misfit(f"the key {name} must have a value of the type {kind.__name__}")
+    for name, digest in manifest.get("maps", {}).items():
+        if not isinstance(digest, str):
+            raise Misfit(f"the map {name!r} has no digest")
     products = manifest["products"]
     if not products:
         raise Misfit("names no product")
@@ -126,4 +129,4 @@ def _check(manifest: Any) -> None:
         if name in {"", "."} or name != PurePosixPath(name).as_posix() or {"/", ".."} & {*PurePosixPath(name).parts}:
             raise Misfit(f"{name!r} is no path below the report folder")
         if not isinstance(digest, str) or not DIGEST.fullmatch(digest):
-            raise Misfit(f"{name}: has no sha256")
+            raise Misfit(f"{name!r} has no sha256")

@@ -8,6 +8,7 @@ that the manifest of a run names products only that were made from the results a
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -16,6 +17,7 @@ from typing import Any
 
 from ptl.errors import UserError
 from ptl.files.atomic import write_text
+from ptl.files.manifest import DIGEST
 from ptl.files.question import RULES, Question, about
 from ptl.files.regular import NotReadable, read_bytes, sha256
 from ptl.files.remedies import force
@@ -34,6 +36,14 @@ FIGURES = "draw_figure"
 """Rule that draws every figure."""
 
 PARTS = {"rule": str, "params": dict, "inputs": dict, "outputs": dict}
+
+PARAMS = ("asked", "groups", "study", "environments", "foreign")
+"""Parameters that are mappings, where a job has them."""
+
+ASKED = ("maps", "methods", "jobs")
+"""The same of what was asked of the files of each kind."""
+
+RULE = re.compile("[a-z][a-z0-9_]*")
 
 
 def write_record(
@@ -140,9 +150,9 @@ def _other_settings(
         wanted, learned_by = about(question[kind], asked.get("maps", ()), asked.get("methods")), RULES[kind]
         if gone := sorted({*asked.get("methods", ())} - {*wanted.get("methods", ())}):
             yield f"was made from lives under {gone[0]}, which is not in the run", record.rule
-            asked = {**asked, "methods": {name: asked["methods"][name] for name in wanted["methods"]}}
+            asked = {**asked, "methods": {name: asked["methods"][name] for name in wanted.get("methods", ())}}
         if record.rule == "judge_setting":  # each judges one of the study's settings
-            wanted = {**wanted, "jobs": {name: wanted["jobs"].get(name) for name in asked["jobs"]}}
+            wanted = {**wanted, "jobs": {name: wanted.get("jobs", {}).get(name) for name in asked.get("jobs", ())}}
             learned_by = "learn_setting"
         if asked != wanted:
             yield _difference(asked, wanted), learned_by
@@ -186,8 +196,30 @@ def _read_all(folder: Path) -> Iterator[_Record]:
     for path in sorted((folder / FOLDER).glob(f"*{SUFFIX}")):
         try:
             found = parse_json(read_bytes(path, MOST_BYTES).decode("utf-8"))
-            if not isinstance(found, dict) or {name: type(found.get(name)) for name in PARTS} != PARTS:
-                raise Misfit(f"must have the keys {', '.join(PARTS)}")
+            _check(found)
         except (Misfit, UnicodeDecodeError, NotReadable) as error:
             raise UserError(f"{path}: is not a record ({error}); remove it and run 'snakemake' again") from error
         yield _Record(**{name: found[name] for name in PARTS})
+
+
+def _check(record: Any) -> None:
+    """Refuse what no job writes, in all parts that are used."""
+    if not isinstance(record, dict) or {name: type(record.get(name)) for name in PARTS} != PARTS:
+        raise Misfit(f"must have the keys {', '.join(PARTS)}")
+    if not RULE.fullmatch(record["rule"]):
+        raise Misfit("names no rule")
+    for name in ("inputs", "outputs"):
+        for path, digest in record[name].items():
+            if not isinstance(digest, str) or not DIGEST.fullmatch(digest):
+                raise Misfit(f"{name}: {path!r} has no sha256")
+    _check_mappings(record["params"], PARAMS, "params")
+    for kind, asked in record["params"].get("asked", {}).items():
+        if not isinstance(asked, dict):
+            raise Misfit(f"params.asked: {kind!r} must be a mapping")
+        _check_mappings(asked, ASKED, f"params.asked: {kind!r}")
+
+
+def _check_mappings(values: Mapping[str, Any], names: Iterable[str], where: str) -> None:
+    for name in names:
+        if name in values and not isinstance(values[name], dict):
+            raise Misfit(f"{where}: {name} must be a mapping")

@@ -43,6 +43,22 @@ def test_every_damage_to_a_report_folder_is_found(tmp_path, record_property):
     record_property("damages tried, all found: report folder with manifest", tried)
 
 
+@pytest.mark.parametrize("maps", [["rooms"], 1, None, {"rooms": 1}])
+def test_maps_are_names_and_digests(maps, tmp_path):
+    path = report(tmp_path / "reports/tiny")
+    found = {**json.loads(path.read_text()), "maps": maps}
+    path.write_text(json.dumps({**found, "content": manifest._content(found)}))
+    with pytest.raises(UserError, match=r"is not a manifest .*map"):
+        manifest.read(path)
+
+
+def test_a_product_with_a_blank_name_is_shown_as_such(tmp_path):
+    path = report(tmp_path / "reports/tiny")
+    path.write_text(json.dumps({**json.loads(path.read_text()), "products": {" ": "-"}}))
+    with pytest.raises(UserError, match="' ' has no sha256"):
+        manifest.read(path)
+
+
 def test_other_files_are_no_manifests(tmp_path):
     path = tmp_path / manifest.MANIFEST
     path.write_text("[]")

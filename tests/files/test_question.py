@@ -24,7 +24,7 @@ from ptl.files.outside import learning_code
 from ptl.files.question import SIDE_MAPS, asking, map_digest, question_of
 from ptl.files.records import check_records, write_record
 from ptl.files.results import read_result
-from ptl.files.schema import LEARNING
+from ptl.files.schema import GROWTH, LEARNING
 from ptl.world.gridworld import GridWorld
 
 PAIRED = "results and products paired with another run, all refused"
@@ -146,6 +146,36 @@ def test_products_of_another_run_are_refused(
     change(run)
     with pytest.raises(UserError, match=fault):
         check_records(Path(), ["page"], **run)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"params": {"asked": []}}, {"params": {"asked": {LEARNING: 1}}}, {"params": {"asked": {LEARNING: {"maps": 1}}}},
+        {"params": {"asked": {LEARNING: {"methods": ["ptl"]}}}}, {"params": {"asked": {LEARNING: {"jobs": None}}}},
+        {"params": {"groups": [1]}}, {"params": {"study": 1}}, {"params": {"environments": ["rooms"]}},
+        {"params": {"foreign": None}}, {"inputs": {"result": 1}}, {"outputs": {"table": "0"}}, {"rule": "--all"},
+    ],
+    ids=str,
+)  # fmt: skip
+def test_records_of_another_shape_are_refused(change: dict[str, Any], run: dict[str, Any]) -> None:
+    path = Path("records/measure.record.json")
+    path.write_text(json.dumps({**json.loads(path.read_text()), **change}))
+    with pytest.raises(UserError, match=r"measure\.record\.json: is not a record \("):
+        check_records(Path(), ["page"], **run)
+
+
+@pytest.mark.parametrize(
+    ("rule", "asked"),
+    [
+        ("measure", {"nope": {}}), ("measure", {GROWTH: {"methods": {"ptl": {}}}}), ("judge_setting", {LEARNING: {}}),
+        ("judge_setting", {LEARNING: {"jobs": {"a": 1}}}),
+    ],
+)  # fmt: skip
+def test_records_of_other_questions_are_refused(rule: str, asked: dict[str, Any], run: dict[str, Any]) -> None:
+    write_record(Path(), "measure", rule, {"asked": asked}, ["result"], ["table"])
+    with pytest.raises(UserError, match="table: was made"):
+        check_records(Path(), ["table"], **run)
 
 
 def test_results_are_not_paired_with_another_configuration(tiny: Project) -> None:
