@@ -15,8 +15,7 @@ if TYPE_CHECKING:
 GAP = "  "
 
 NAMES = ("environment", "task", "method", "metric")
-NUMBERS = ("mean", "ci_low", "ci_high", "n", "seeds")
-"""Columns that are read."""
+"""Columns that say what a row is about."""
 
 
 @click.command()
@@ -76,17 +75,30 @@ def _path_of(run: str | None) -> Path:
 
 
 def _estimates(path: Path) -> pd.DataFrame:
-    """Read a table of estimates; refuse a table of something else."""
-    from pandas.api.types import is_numeric_dtype
-
-    from ptl.errors import UserError
+    """Read a table of estimates, control characters in its names as escapes; refuse a table of something else."""
+    from ptl.errors import UserError, printable
     from ptl.files.csv import read_csv
+    from ptl.study.tables import COUNT, Numbers
 
-    table = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=dict.fromkeys(NUMBERS, ""))
-    wrong = [name for name in (*NAMES, *NUMBERS) if name not in table]
-    wrong += [name for name in NUMBERS if name in table and not is_numeric_dtype(table[name])]
-    if wrong:
-        raise UserError(f"{path}: no table of estimates (column {wrong[0]}); name a metrics.csv, or a run")
+    number = Numbers(missing=True)
+    numbers = {"mean": number, "ci_low": number, "ci_high": number, "n": COUNT, "seeds": Numbers(1, whole=True)}
+    table = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=dict.fromkeys(numbers, ""))
+    for name in (*NAMES, *numbers):
+        if name not in table or (name in numbers and not numbers[name].hold(table[name])):
+            raise UserError(
+                f"{path}: no table of estimates (column {name}); this column must hold {numbers.get(name, 'names')};"
+                " name a metrics.csv, or a run"
+            )
+    faults = {
+        "has the estimate of an earlier row": table.duplicated(list(NAMES)),
+        "has an interval that ends before it begins": table["ci_low"] > table["ci_high"],
+        "has a mean of no values, or values without a mean": (table["n"] > 0) == table["mean"].isna(),
+    }
+    for fault, rows in faults.items():
+        if rows.any():
+            raise UserError(f"{path}: row {rows.argmax() + 1} {fault}; name another table or correct it")
+    for name in NAMES:
+        table[name] = table[name].map(printable)
     return table
 
 

@@ -102,6 +102,33 @@ def test_words_for_numbers_are_refused(tmp_path: Path):
     assert "no table of estimates (column mean)" in refusal(str(tmp_path / "metrics.csv"))
 
 
+ESTIMATES = "environment,task,method,metric,mean,std,ci_low,ci_high,n,seeds\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "fault"),
+    [
+        (["1,,1,1,5,"], "column seeds"), (["1,,1,1,5,inf"], "column seeds"), (["1,,1,1,5,-5"], "column seeds"),
+        (["1,,1,1,5,0"], "column seeds"), (["1,,1,1,5,True"], "column seeds"), (["1,,1,1,2.5,5"], "column n"),
+        (["1,,1,1,-1,5"], "column n"), (["1,,1,1,,5"], "column n"), (["1e400,,1,1,5,5"], "column mean"),
+        (["True,,1,1,5,5"], "column mean"), (["1,,-inf,1,5,5"], "column ci_low"), (["1,,2,1,5,5"], "an interval"),
+        ([",,,,5,5"], "values without a mean"), (["1,,1,1,5,5"] * 2, "row 2 has the estimate of an earlier row"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_estimates_that_cannot_be_are_refused(tmp_path: Path, rows, fault):
+    path = tmp_path / "metrics.csv"
+    path.write_text(ESTIMATES + "".join(f"e,A,m,total_steps,{row}\n" for row in rows))
+    assert fault in refusal(str(path))
+
+
+def test_names_are_printed_without_control_characters(tmp_path: Path):
+    path = tmp_path / "metrics.csv"
+    path.write_text(ESTIMATES + "e\x1b[2J,A\x07,m\x1b[31m,total_steps,1,,1,1,5,5\n")
+    text = "\n".join(printed(str(path)))
+    assert text.startswith(r"e\x1b[2J, task A\x07") and r"m\x1b[31m" in text
+
+
 def test_without_any_run_the_folder_is_named(tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert refusal() == "reports/*/tables/metrics.csv: 0 runs; name one of none"
