@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 MARK = "<!-- The rest of this page is made from ptl/config.py by: ptl config-docs -->\n"
 PAGE = Path("config/README.md")
 FORMATS = Path("docs/file-format.md")
+MOST_BYTES = 2**24
+"""Most bytes of a page."""
 
 
 @click.command()
@@ -28,15 +30,24 @@ def command(page: Path, schema: bool) -> None:
     if schema:
         click.echo(json_schema())
         return
-    try:
-        introduction, mark, _ = page.read_text(encoding="utf-8").partition(MARK)
-    except OSError as error:
-        raise UserError(f"{page}: cannot be read ({error.strerror}); check the path") from error
+    introduction, mark, _ = _read(page).partition(MARK)
     if not mark:
         raise UserError(f"{page}: has no line {MARK.strip()!r}; add it where the tables shall begin")
     write_text(page, introduction + MARK + "\n" + tables())
     if page == PAGE and FORMATS.is_file():
-        write_text(FORMATS, filled(FORMATS.read_text(encoding="utf-8")))
+        write_text(FORMATS, filled(_read(FORMATS)))
+
+
+def _read(page: Path) -> str:
+    from ptl.errors import UserError
+    from ptl.files.regular import NotReadable, read_bytes
+
+    try:
+        return read_bytes(page, MOST_BYTES).decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise UserError(f"{page}: byte {error.start + 1} is not UTF-8 text; save it as plain text") from error
+    except NotReadable as error:
+        raise UserError(f"{page}: cannot be read ({error.reason}); check the path") from error
 
 
 def json_schema() -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ptl.cli._arguments import SEED
+from ptl.cli._arguments import LARGEST, SEED
 from ptl.config import SubgoalFrequencies
 
 DEFAULT = SubgoalFrequencies()
@@ -46,8 +46,9 @@ def batch(
     from ptl.learning.survey import chosen_starts, subgoal_frequencies
     from ptl.world.gridworld import load_map
 
+    whole = starts.isdecimal() and len(starts) <= len(str(LARGEST))  # Python refuses to read very long numbers
     survey = SubgoalFrequencies.from_dict(
-        {"starts": int(starts) if starts.isdecimal() else starts, "trajectories": trajectories, "batches": batches}
+        {"starts": int(starts) if whole else starts, "trajectories": trajectories, "batches": batches}
     )
     if batch >= survey.batches:
         raise UserError(f"--batch: {batch} is not allowed; give a number below --batches ({batches})")

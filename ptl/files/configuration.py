@@ -15,6 +15,8 @@ from ptl.config import Configuration, Environment, ForeignResults, Learning, che
 from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
 from ptl.files.outside import configured
+from ptl.files.regular import NotReadable, read_bytes
+from ptl.files.remedies import MOST_BYTES
 from ptl.keys import ConfigurationError, Group
 from ptl.learning.method_check import check_method
 from ptl.world.gridworld import load_map
@@ -132,7 +134,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         nested too deep.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8")
+        text = read_bytes(path, MOST_BYTES).decode("utf-8")
         _refuse_bombs(text, path)
         root = yaml.compose(text, Loader=yaml.SafeLoader)
         if not isinstance(root, yaml.MappingNode):
@@ -141,8 +143,8 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         return yaml.safe_load(text)
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save it as plain text") from error
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror}); check the path") from error
+    except NotReadable as error:
+        raise UserError(f"{path}: cannot be read ({error.reason}); check the path") from error
     except (yaml.YAMLError, ValueError) as error:  # a ValueError: a date or a number that does not exist
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}: " if mark else ""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import json
 import math
+import os
 import re
 from pathlib import Path
 from typing import Any, get_args, get_origin
@@ -50,6 +51,15 @@ def refusal(config: Any) -> str:
 
 
 # -- the run
+
+
+def test_pipes_and_what_is_huge_are_refused_at_once(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    with (tmp_path / "huge.yaml").open("wb") as file:
+        file.truncate(2**40)
+    for name, reason in (("pipe", "a pipe, not a file"), ("huge.yaml", "more than"), ("none", "No such file")):
+        with pytest.raises(UserError, match=rf"{name}: cannot be read \({reason}.*\); check the path"):
+            read_yaml(tmp_path / name)
 
 
 def test_published_and_smoke_configurations_pass():

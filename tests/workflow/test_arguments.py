@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 
 import pytest
@@ -42,7 +43,8 @@ ODD_CELLS = (
         (*LEARN, "--map", "{"), (*LEARN, "--parameters", "{"), (*LEARN, "--parameters", '{"learning": {"alpha": NaN}}'),
         (*LEARN, "--method-parameters", "["), (*LEARN, "--method", "{"),
         (*GROW, "--tasks", HUGE), (*GROW, "--run", HUGE), (*GROW, "--root-seed", HUGE), (*GROW, "--output", ""),
-        (*SURVEY, "--batches", HUGE), (*SURVEY, "--starts", HUGE), (*SURVEY, "--starts", "{"),
+        (*SURVEY, "--batches", HUGE), (*SURVEY, "--starts", HUGE), (*SURVEY, "--starts", "9" * 5000),
+        (*SURVEY, "--starts", "{"),
         (*SURVEY, "--trajectories", HUGE), (*SURVEY, "--root-seed", HUGE), (*SURVEY, "--batch", "2"),
         ("survey", "merge", "none.h5", "--output", "x.h5"),
         (*FV, "--seeds", HUGE), (*FV, "--trials", HUGE), (*FV, "--library-trials", HUGE), (*FV, "--library", "{"),
@@ -54,7 +56,9 @@ ODD_CELLS = (
         (*LIVES, json.dumps({**JOB, "root_seed": -7})), (*LIVES, json.dumps({**JOB, "root_seed": 10**30})),
         (*LEARN, "--parameters", "[" * 10**5),
         (*FIT, "{"), (*FIT, "{}"), (*FIT[:2], "none", *FIT[3:], "{}"),
-        ("readme",), ("config-docs", "none"), ("population", "--maps", "folder", "none"), ("show-map", "{"),
+        (*FIT[:2], "pipe", *FIT[3:], "{}"), (*FIT[:2], "bytes", *FIT[3:], "{}"),
+        ("readme",), ("config-docs", "none"), ("config-docs", "pipe"), ("config-docs", "bytes"),
+        ("population", "--maps", "folder", "none"), ("population", "--maps", "folder", "pipe"), ("show-map", "{"),
         ("inspect", "[0-99999999999]"), ("verify", "[0-99999999999]"), ("metrics", "{"),
         ("new-study", "new", "--map", "env3.txt", "--seeds", HUGE),
         ("new-study", "new", "--map", "env3.txt", "--tasks", "{"),
@@ -66,6 +70,8 @@ def test_absurd_arguments_are_refused_in_one_line(arguments, tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     shutil.copy(MAPS / "env3.txt", tmp_path)
     shutil.copy(ROOT / "config/fit.yaml", tmp_path)
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "bytes").write_bytes(b"\xff")
     before = sorted(tmp_path.iterdir())
     result = CliRunner().invoke(commands, arguments)
     if isinstance(result.exception, UserError):
