@@ -18,21 +18,20 @@ if TYPE_CHECKING:
 def command(files: tuple[Path, ...]) -> None:
     """Print the origin of each of the FILES, a summary of its content, and its map with the subgoals as 1, 2, 3 ..."""
     from ptl.errors import printable
-    from ptl.files.hdf5 import read_file
-    from ptl.files.results import WITH_ORIGIN, LearningFile, read_result
+    from ptl.files.results import LearningFile, ResultFile, read_whole
     from ptl.files.schema import KINDS
 
     for path in files:
-        content = read_file(path, *KINDS)
+        result = read_whole(path)
+        content = result.file if isinstance(result, ResultFile) else result
         kind = KINDS[content.attrs["format"]]
         click.echo(printable(f"{path}  ({kind.format})"))
         click.echo(f"  {kind.root.meaning}")
         _show_origin(content)
         click.echo("")
-        if kind.format not in WITH_ORIGIN:
+        if not isinstance(result, ResultFile):
             _show_arrays(content, "")
             continue
-        result = read_result(path)
         if isinstance(result, LearningFile):
             _show_tasks(result)
         elif "library_size" in result.file:

@@ -17,7 +17,7 @@ from ptl.errors import UserError
 from ptl.files.hdf5 import Node, new_file, read_file
 from ptl.files.invariants import impossible
 from ptl.files.remedies import make_again
-from ptl.files.schema import FREQUENCIES, GROWTH, LEARNING
+from ptl.files.schema import FREQUENCIES, GROWTH, KINDS, LEARNING
 from ptl.learning.life import Life, TaskRecord
 from ptl.world.gridworld import GridWorld
 
@@ -165,6 +165,9 @@ class LearningFile(ResultFile):
         self.tasks = {name: TaskView(name, node) for name, node in file["tasks"].items()}
 
 
+VIEWS: Mapping[str, type[ResultFile]] = {LEARNING: LearningFile, GROWTH: ResultFile, FREQUENCIES: ResultFile}
+
+
 def read_result(path: str | os.PathLike[str], *kinds: str) -> ResultFile:
     """Read a growth, frequency or learning file, or only one of some of these kinds.
 
@@ -174,11 +177,22 @@ def read_result(path: str | os.PathLike[str], *kinds: str) -> ResultFile:
         If it is missing, damaged, of another kind, or its content does not fit the declaration of its kind or is
         impossible.
     """
-    file = read_file(path, *(kinds or WITH_ORIGIN))
-    result = (LearningFile if file.attrs["format"] == LEARNING else ResultFile)(Path(path), file)
-    if faults := list(impossible(result)):
-        raise UserError(f"{path}: {'; '.join(faults[:MOST_FAULTS])}; {make_again(path)}")
+    result = read_whole(path, *(kinds or WITH_ORIGIN))
+    assert isinstance(result, ResultFile)
     return result
+
+
+def read_whole(path: str | os.PathLike[str], *kinds: str) -> ResultFile | Node:
+    """Read a file of any kind or of some kinds: a `ResultFile` if there is one for it, otherwise the file's root.
+
+    Errors as in `read_result`.
+    """
+    root = read_file(path, *(kinds or KINDS))
+    kind = root.attrs["format"]
+    content = VIEWS[kind](Path(path), root) if kind in VIEWS else root
+    if faults := list(impossible(kind, content)):
+        raise UserError(f"{path}: {'; '.join(faults[:MOST_FAULTS])}; {make_again(path)}")
+    return content
 
 
 @contextmanager

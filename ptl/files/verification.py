@@ -11,14 +11,13 @@ from ptl.errors import UserError
 from ptl.files import regular
 from ptl.files.atomic import UNFINISHED
 from ptl.files.csv import broken_seal, seal_of
-from ptl.files.hdf5 import Node, read_file
+from ptl.files.hdf5 import Node
 from ptl.files.manifest import MADE, MANIFEST, damages
 from ptl.files.manifest import read as read_manifest
 from ptl.files.outside import RECORD
 from ptl.files.question import code_faults, misplaced
 from ptl.files.remedies import make_again
-from ptl.files.results import WITH_ORIGIN, ResultFile, read_result
-from ptl.files.schema import KINDS
+from ptl.files.results import ResultFile, read_whole
 
 TEXTS = {".csv", ".md", ".html", ".tex", ".svg", ".png", ".rst", ".json", ".yaml", ".txt"}
 """Suffixes of files that are no HDF5 file even in name."""
@@ -95,9 +94,8 @@ def made_beside(path: Path) -> Path | None:
 
 
 def _faults_of_result(path: Path, current_code: bool) -> list[str]:
-    root = read_file(path, *KINDS)
-    if root.attrs["format"] in WITH_ORIGIN:
-        root = read_result(path).file
+    content = read_whole(path)
+    root = content.file if isinstance(content, ResultFile) else content
     return list(_foreign(path, root, current_code))
 
 

@@ -46,6 +46,7 @@ from ptl.learning.survey import subgoal_frequencies
 from ptl.report.explorer.data import collect
 from ptl.report.figures import discovery, frequencies
 from ptl.report.figures.steps import open_steps
+from ptl.study.fit import read_by
 from ptl.study.growth import library_sizes
 from ptl.study.lives import learn_lives
 from ptl.study.measures import measure_files
@@ -91,7 +92,9 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     write_life(folder / "learning", "ptl", tasks="A")
     life = grow_library(ROOMS, 6, QUICK, ROOT_SEED, "rooms", 0)
     write_growth(paths[GROWTH], life, ROOMS, origin("ptl", 0, module="growth"))
-    counts = subgoal_frequencies(ROOMS, np.arange(3), range(9), 3, QUICK.learning, ROOT_SEED, "rooms")
+    counts = subgoal_frequencies(
+        ROOMS, np.arange(ROOMS.n_states), range(ROOMS.n_states), 3, QUICK.learning, ROOT_SEED, "rooms"
+    )
     whence = {"environment": "rooms", "trajectories": 3, "starts": ROOMS.n_states, "batch": 0, "batches": 1,
               "root_seed": ROOT_SEED, "parameters": QUICK.to_dict(),
               "code": code_digest("ptl.learning.survey")}  # fmt: skip
@@ -107,7 +110,8 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     )  # fmt: skip
     write_setting(paths[SETTING])
     lives = {f"lives/{name}": values for name, values in learn_lives(ROOMS, "AB", "ptl", QUICK, 1, range(2)).items()}
-    write_arrays(paths[FIT], FIT, lives, {"unit": {"method": "ptl"}, "setting": "0123abcd"})
+    unit = {"map": ROOMS.text, "tasks": "AB", "method": "ptl", "parameters": read_by("ptl", QUICK), "seeds": 2}
+    write_arrays(paths[FIT], FIT, lives, {"unit": unit, "setting": "0123abcd"})
     write_lives(paths[LIVES])
     return {kind: path.read_bytes() for kind, path in paths.items()}
 
@@ -348,6 +352,128 @@ def test_whatever_breaks_the_declaration_is_refused_by_all_that_reads(
             assert str(caught.value).isprintable()
     record_property(f"ways to break a {kind} file, all refused", len(changes))
     assert len(changes) > 40
+
+
+# -- what fits its declaration and cannot be ----------------------------------------------------------------------
+
+
+def value(place: str, index: Any, number: Any) -> Change:
+    def change(file: h5py.File) -> None:
+        file[place][index] = number
+
+    return change
+
+
+def both(*changes: Change) -> Change:
+    def change(file: h5py.File) -> None:
+        for one in changes:
+            one(file)
+
+    return change
+
+
+def of_job(name: str, new: Any, of: str = "job") -> Change:
+    """Change a value of the job by the keys that lead to it, with slashes between them."""
+
+    def change(file: h5py.File) -> None:
+        job = json.loads(file.attrs[of])
+        *parts, last = name.split("/")
+        inner = job
+        for part in parts:
+            inner = inner[part]
+        inner[last] = new
+        file.attrs[of] = json.dumps(job)
+
+    return change
+
+
+def at_root(name: str, new: Any) -> Change:
+    return attribute("/", name, new)
+
+
+IMPOSSIBLE: list[tuple[str, Change, str]] = [
+    (LEARNING, attribute("/tasks/A", "start", 1), "task A: does not lead from the start of the map to its goal A"),
+    (LEARNING, attribute("/tasks/A", "goal", 0), "task A: does not lead from the start of the map to its goal A"),
+    (LEARNING, lambda file: file.move("/tasks/A", "/tasks/B"), "task B: does not lead"),
+    (LEARNING, lambda file: file.move("/tasks/A", "/tasks/Z"), "task Z: does not lead"),
+    (LEARNING, value("/tasks/A/steps", 3, 2**62), "an episode is longer than learning.max_steps"),
+    (LEARNING, value("/tasks/A/truncated", 3, True), "a truncated episode is shorter than learning.max_steps"),
+    (LEARNING, both(at_root("method", "own"), value("/tasks/A/steps", 3, 2**62)), "its steps cannot be added up"),
+    (LEARNING, attribute("/tasks/A", "novelty", 1e9), "its novelty or diameter"),
+    (LEARNING, attribute("/tasks/A", "diameter", ROOMS.n_states), "its novelty or diameter"),
+    (LEARNING, attribute("/tasks/A", "diameter", 0), "has a new subgoal though its diameter is 0"),
+    (GROWTH, lambda file: file["goals"].write_direct(file["starts"][()]), "no way from its start to another state"),
+    (GROWTH, value("/total_steps", 2, 1), "fewer steps than its shortest path"),
+    (GROWTH, value("/total_steps", 2, 2**62), "more steps than learning.max_steps"),
+    (FREQUENCIES, value("/counts", slice(2), 2**62), "its counts do not add up"),
+    (FREQUENCIES, at_root("starts", ROOMS.n_states + 1), "more starts than the map has states"),
+    (FREQUENCIES, at_root("batch", 1), "its batch is none of its batches"),
+    (STEPS, value("/rooms/ptl/A", (0, 0), 0), "rooms/ptl/A: an episode has no steps"),
+    (STEPS, at_root("seeds", [1, 1]), "holds no seeds, or one twice"),
+    (GAIN, value("/seeds", ..., 1), "holds no seeds, or one twice"),
+    (GAIN, both(*[replaced("/", name, np.zeros(shape, dtype=kind)) for name, shape, kind in
+                  (("seeds", 0, "int64"), ("gain", (0, 5), float), ("policy_quality", (0, 3), float))]),
+     "holds no seeds, or one twice"),
+    (GAIN, replaced("/", "gain", np.zeros((2, 0))), "holds no trials"),
+    (SETTING, value("/rooms/ptl/steps", (0, 0, 0), 0), "rooms/ptl: an episode is shorter than the shortest path"),
+    (SETTING, value("/rooms/ptl/steps", (0, 0, 0), 2**62), "rooms/ptl: an episode is longer than"),
+    (SETTING, value("/rooms/ptl/truncated", (0, 0), 1), "its truncated episodes are not those"),
+    (SETTING, value("/rooms/ptl/subgoal", (0, 0), ROOMS.n_states), "rooms/ptl/subgoal holds a state that is not there"),
+    (SETTING, value("/rooms/ptl/novelty", (0, 0), 1e9), "its novelty is longer"),
+    (SETTING, value("/rooms/ptl/seeds", ..., 0), "rooms/ptl: its seeds are not 0, 1, ..."),
+    (SETTING, value("/growth/library_size", (0, 1), 3), "growth: a library does not grow"),
+    (SETTING, replaced("/growth", "library_size", np.zeros((2, 4), dtype=int)), "growth: does not have 1 lives"),
+    (SETTING, missing("/rooms/ptl"), "lacks some of its job's lives"),
+    (SETTING, missing("/growth"), "lacks some of its job's lives"),
+    (SETTING, of_job("seeds", 3), "has not all seeds though"),
+    (SETTING, of_job("setting", "other"), "its job is that of another setting"),
+    (SETTING, of_job("methods", ["ptl"]), "holds rooms/no_transfer, which its job does not name"),
+    (SETTING, of_job("environments/rooms/tasks", "AC"), "does not have the tasks AC"),
+    (SETTING, of_job("environments/more", {"tasks": "A"}), "its maps are not those of its job's environments"),
+    (SETTING, of_job("parameters/learning/episodes", 19), "with 19 episodes each"),
+    (SETTING, of_job("parameters/learning/episodes", -1), "its job or a map cannot be right"),
+    (SETTING, of_job("growth", None), "its job or a map cannot be right"),
+    (SETTING, of_job("rooms", "no map", "maps"), "its job or a map cannot be right"),
+    (FIT, value("/lives/steps", (0, 0, 0), 0), "lives: an episode is shorter than the shortest path"),
+    (FIT, value("/lives/seeds", ..., 1), "lives: its seeds are not 0, 1, ..."),
+    (FIT, of_job("map", "no map", "unit"), "its unit cannot be right"),
+    (FIT, of_job("seeds", None, "unit"), "its unit cannot be right"),
+    (FIT, lambda file: file.create_dataset("growth/library_size", data=[[0, 1]]), "its unit cannot be right"),
+    (LIVES, of_job("cell", {}), "its job cannot be right"),
+    (LIVES, of_job("cell/maps", []), "does not hold the lives of its job: 0 maps"),
+    (LIVES, of_job("cell/seeds", 3), "does not hold the lives of its job: 1 maps, 3 lives"),
+    (LIVES, of_job("cell/tasks", "A"), "does not hold the lives of its job: 1 maps, 2 lives, 1 tasks"),
+    (LIVES, of_job("parameters/learning/episodes", -1), "its job cannot be right"),
+    (LIVES, value("/steps", (0, 0, 0), 1), "a task took fewer steps than its shortest path"),
+    (LIVES, value("/steps", (0, 0, 0), 2**62), "a task took more steps than learning.max_steps"),
+    (LIVES, value("/first", (0, 0, 0), 0), "a first episode is shorter than the shortest path"),
+    (LIVES, value("/first", (0, 0, 0), 10**7), "a first episode is shorter than the shortest path, or longer"),
+    (LIVES, value("/truncated", (0, 0, 0), 21), "a number of truncated episodes that cannot be"),
+    (LIVES, value("/truncated", (0, 0, 0), 1), "a task took fewer steps"),
+    (LIVES, value("/shortest", (0, 0), 10**6), "a shortest path is longer than any path without loops"),
+    (LIVES, both(of_job("parameters/learning/max_steps", 1), value("/first", ..., 1), value("/steps", ..., 20),
+                 value("/truncated", ..., 0)), "a number of truncated episodes that cannot be"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("kind", "change", "says"), IMPOSSIBLE)
+def test_what_cannot_be_is_found_and_nothing_of_it_shown(
+    kind: str, change: Change, says: str, good: dict[str, bytes], tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    path = written(tmp_path, kind, good[kind])
+    rewrite(path, change)
+    [fault] = faults_of(path, current_code=False)
+    assert fault.startswith(f"{path}: ") and says in fault and fault.isprintable()
+    with pytest.raises(UserError) as caught:
+        inspect.callback((path,))
+    assert says in str(caught.value) and capsys.readouterr().out == ""
+
+
+def test_impossible_settings_are_not_read(good: dict[str, bytes], tmp_path: Path) -> None:
+    path = written(tmp_path, SETTING, good[SETTING])
+    rewrite(path, value("/rooms/ptl/steps", (0, 0, 0), 0))
+    with pytest.raises(UserError, match="shorter than the shortest path"):
+        load_setting(path, GROUPS)
 
 
 def test_the_page_on_formats_is_made_from_the_declarations() -> None:

@@ -12,24 +12,19 @@ from typing import Any
 import numpy as np
 
 from ptl.config import Parameters
-from ptl.errors import UserError, printable
-from ptl.files.arrays import read_arrays, write_arrays
+from ptl.errors import printable
+from ptl.files.arrays import write_arrays
+from ptl.files.hdf5 import Node
+from ptl.files.invariants import COMPLETE
 from ptl.files.provenance import code_digest
-from ptl.files.remedies import make_again
+from ptl.files.results import read_whole
 from ptl.files.schema import LONGEST_TEXT, SETTING
-from ptl.study.discoveries import Found
 from ptl.study.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.variants import changed_world
 
-STATES = ("subgoal", "incremental_peak", "original_peak")
-PER_TASK = ("steps", "truncated", *Found._fields)
-"""Arrays of a setting that hold states, and those with a column for each task."""
-
 STREAM = "robustness"
 """First name of every random stream of the study, followed by the setting's."""
-
-COMPLETE = "complete"
 
 
 @dataclass
@@ -121,25 +116,15 @@ def read_setting(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any
     UserError
         If the file cannot be read, or does not hold what its job says.
     """
-    arrays, origin = read_arrays(path, SETTING)
-    if fault := _impossible(arrays, origin):
-        raise UserError(f"{path}: {fault}; {make_again(path)}")
-    return arrays, origin
-
-
-def _impossible(arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> str:
-    job = origin["job"]
-    states = {name: GridWorld.from_text(text, f"map {name}").n_states for name, text in origin["maps"].items()}
-    for name, array in arrays.items():
-        environment, *rest = name.split("/")
-        if environment == "growth":
-            continue
-        entry = job["environments"].get(environment)
-        tasks = entry.get("tasks") if isinstance(entry, dict) else None
-        if not isinstance(tasks, str) or environment not in states or rest[0] not in job["methods"]:
-            return f"holds {name}, which its job does not name"
-        if rest[1] in PER_TASK and array.shape[1] != len(tasks):
-            return f"{name} does not have the tasks {tasks}"
-        if rest[1] in STATES and array.size and array.max() >= states[environment]:
-            return f"{name} holds a state that is not there"
-    return ""
+    root = read_whole(path, SETTING)
+    assert isinstance(root, Node)
+    arrays = {
+        f"{environment}/{method}/{name}": array
+        for environment, group in root.items()
+        if environment != "growth"
+        for method, lives in group.items()
+        for name, array in lives.items()
+    }
+    if "growth" in root:
+        arrays["growth/library_size"] = root["growth"]["library_size"]
+    return arrays, root.attrs
