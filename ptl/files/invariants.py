@@ -24,6 +24,7 @@ from ptl.files.schema import (
     STEPS,
     learning_parameters,
 )
+from ptl.learning.survey import chosen_starts
 from ptl.methods import beyond
 from ptl.world.gridworld import GridWorld
 from ptl.world.mazes import GOALS
@@ -128,8 +129,25 @@ def _frequencies(result: ResultFile) -> Iterator[str]:
         yield "its batch is none of its batches"
     elif attrs["starts"] > result.world.n_states:
         yield "it has more starts than the map has states"
-    elif sum(counts.tolist()) + unresolved != result.file["pairs"]:  # Python's sum cannot overflow
+    elif (pairs := int(result.file["pairs"])) != (expected := _pairs(result)):
+        yield f"it has {pairs} pairs of start and goal where the map and its starts give {expected}"
+    elif sum(counts.tolist()) + unresolved != pairs:  # Python's sum cannot overflow
         yield "its counts do not add up to the number of pairs"
+
+
+def _pairs(result: ResultFile) -> int:
+    """Return the number of pairs of a start and another state that it reaches, among the goals of the batch."""
+    from scipy.sparse import csr_array  # not needed, and slow to import, for other kinds
+    from scipy.sparse.csgraph import connected_components
+
+    world, attrs = result.world, result.file.attrs
+    n = world.n_states
+    starts = chosen_starts(world, attrs["starts"], result.root_seed, result.environment)
+    goals = np.arange(n)[attrs.get("batch", 0) :: attrs.get("batches", 1)]
+    moves = (np.repeat(np.arange(n), world.successors.shape[1]), world.successors.ravel())
+    _, part = connected_components(csr_array((np.ones(len(moves[0])), moves), shape=(n, n)), directed=False)
+    starts_of = np.bincount(part[starts], minlength=n)
+    return int(starts_of[part[goals]].sum() - np.isin(goals, starts).sum())
 
 
 def _library(result: ResultFile, tasks: int) -> Iterator[str]:
