@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import msgspec
 import numpy as np
 
 from ptl import methods
 from ptl.agent.skills import Skill
-from ptl.config import Learning, Parameters
+from ptl.config import TASKS, Learning, Parameters
 from ptl.errors import UserError
 from ptl.files.schema import (
     FIT,
@@ -24,6 +24,7 @@ from ptl.files.schema import (
     STEPS,
     learning_parameters,
 )
+from ptl.keys import key
 from ptl.learning.survey import chosen_starts
 from ptl.methods import beyond
 from ptl.world.gridworld import GridWorld
@@ -173,13 +174,17 @@ def leads_to_subgoal(skill: Skill, successors: np.ndarray) -> bool:
 # -- arrays of many lives -----------------------------------------------------------------------------------------
 
 
+Letters = Annotated[str, key("", **TASKS)]
+Number = Annotated[int, msgspec.Meta(ge=0)]
+
+
 class _Tasks(msgspec.Struct):
-    tasks: str
+    tasks: Letters
 
 
 class _RandomTasks(msgspec.Struct):
-    tasks: int
-    runs: int
+    tasks: Number
+    runs: Number
 
 
 class _SettingJob(msgspec.Struct):
@@ -231,7 +236,10 @@ def _lives_of(place: str, lives: Node, world: GridWorld, letters: str, learning:
         yield f"{place} does not have the tasks {letters} with {learning.episodes} episodes each"
         return
     number = len(lives["seeds"])
-    if not 1 <= number <= seeds or (lives["seeds"] != np.arange(number)).any():
+    if not steps.size:
+        yield f"{place}: holds no lives"
+        return
+    if number > seeds or (lives["seeds"] != np.arange(number)).any():
         yield f"{place}: its seeds are not 0, 1, ... up to {seeds - 1} at most"
     goals = [world.goals[letter] for letter in letters]
     shortest, limit = world.distances_to(world.start)[goals][:, None], learning.max_steps
@@ -260,7 +268,7 @@ class _Unit(msgspec.Struct):
     """What a unit of the fit must say, see `ptl.study.fit.Searcher`."""
 
     map: str
-    tasks: str
+    tasks: Letters
     seeds: int
     parameters: dict[str, Any]
 
@@ -292,7 +300,7 @@ class _Cell(msgspec.Struct):
     seeds: int
     method: str
     per_task: int
-    tasks: str
+    tasks: Letters
 
 
 def _lives(root: Node) -> Iterator[str]:

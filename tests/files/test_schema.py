@@ -391,6 +391,12 @@ def at_root(name: str, new: Any) -> Change:
     return attribute("/", name, new)
 
 
+def no_lives(group: h5py.Group) -> None:
+    for name, values in {name: item[:0] for name, item in group.items()}.items():
+        del group[name]
+        group[name] = values
+
+
 IMPOSSIBLE: list[tuple[str, Change, str]] = [
     (LEARNING, attribute("/tasks/A", "start", 1), "task A: does not lead from the start of the map to its goal A"),
     (LEARNING, attribute("/tasks/A", "goal", 0), "task A: does not lead from the start of the map to its goal A"),
@@ -436,11 +442,18 @@ IMPOSSIBLE: list[tuple[str, Change, str]] = [
     (SETTING, of_job("environments/more", {"tasks": "A"}), "its maps are not those of its job's environments"),
     (SETTING, of_job("parameters/learning/episodes", 19), "with 19 episodes each"),
     (SETTING, of_job("parameters/learning/episodes", -1), "its job or a map cannot be right"),
+    (SETTING, of_job("parameters/learning", 1), "its job or a map cannot be right"),
+    (SETTING, of_job("growth/tasks", -1), "its job or a map cannot be right"),
+    (SETTING, of_job("environments/rooms/tasks", "\u202eA"), "its job or a map cannot be right"),
+    (SETTING, lambda file: no_lives(file["/rooms/ptl"]), "rooms/ptl: holds no lives"),
     (SETTING, of_job("growth", None), "its job or a map cannot be right"),
     (SETTING, of_job("rooms", "no map", "maps"), "its job or a map cannot be right"),
     (FIT, value("/lives/steps", (0, 0, 0), 0), "lives: an episode is shorter than the shortest path"),
     (FIT, value("/lives/seeds", ..., 1), "lives: its seeds are not 0, 1, ..."),
     (FIT, of_job("map", "no map", "unit"), "its unit cannot be right"),
+    (FIT, of_job("parameters", {"x\n": {"y": 1}}, "unit"), "its unit cannot be right"),
+    (FIT, of_job("parameters", {"learning.alpha.x": 1}, "unit"), "its unit cannot be right"),
+    (FIT, lambda file: no_lives(file["lives"]), "lives: holds no lives"),
     (FIT, of_job("seeds", None, "unit"), "its unit cannot be right"),
     (FIT, lambda file: file.create_dataset("growth/library_size", data=[[0, 1]]), "its unit cannot be right"),
     (LIVES, of_job("cell", {}), "its job cannot be right"),
