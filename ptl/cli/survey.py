@@ -43,7 +43,8 @@ def batch(
     from ptl.errors import UserError
     from ptl.files.provenance import code_digest
     from ptl.files.results import write_frequencies
-    from ptl.learning.survey import chosen_starts, subgoal_frequencies
+    from ptl.learning.starts import chosen_starts
+    from ptl.learning.survey import subgoal_frequencies
     from ptl.world.gridworld import load_map
 
     whole = starts.isdecimal() and len(starts) <= len(str(LARGEST))  # Python refuses to read very long numbers

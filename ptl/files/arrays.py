@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ptl.files.hdf5 import Node, new_file, read_file
+from ptl.files.hdf5 import Node, new_file
+from ptl.files.results import read_whole
 
 
 def write_arrays(path: str | Path, kind: str, arrays: Mapping[str, np.ndarray], origin: Mapping[str, Any]) -> None:
@@ -35,9 +36,9 @@ def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dic
     Raises
     ------
     UserError
-        If the file is missing, damaged, of another kind or does not fit the declaration of its kind.
+        If the file is missing, damaged, of another kind does not fit the declaration of its kind, or is impossible.
     """
-    root = read_file(path, kind)
+    root = read_whole(path, kind)
     return dict(_arrays(root, "")), root.attrs
 
 

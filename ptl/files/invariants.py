@@ -17,7 +17,6 @@ from ptl.files.schema import (
     FREQUENCIES,
     GAIN,
     GROWTH,
-    LARGEST,
     LEARNING,
     LIVES,
     SETTING,
@@ -25,8 +24,7 @@ from ptl.files.schema import (
     learning_parameters,
 )
 from ptl.keys import key
-from ptl.learning.survey import chosen_starts
-from ptl.methods import beyond
+from ptl.learning.starts import chosen_starts
 from ptl.world.gridworld import GridWorld
 from ptl.world.mazes import GOALS
 
@@ -55,13 +53,11 @@ def _learning(result: LearningFile) -> Iterator[str]:
     learning = learning_parameters(result.parameters).learning
     options = 1
     ours = result.method in methods.names()  # another method may mean something else by Q, and draw what is no skill
-    # A method from elsewhere may have a step limit of its own.
-    limit = learning.max_steps if ours or result.method in beyond.names() else None
     for index, (name, task) in enumerate(result.tasks.items()):
         if (task.start, task.goal) != (world.start, world.goals.get(name)):
             yield f"task {name}: does not lead from the start of the map to its goal {name}"
             continue
-        yield from _episodes(name, task, world.shortest_path_length(task.start, task.goal), limit)
+        yield from _episodes(name, task, world.shortest_path_length(task.start, task.goal), learning.max_steps)
         if task.novelty > world.n_states - 1 or task.diameter > world.n_states - 1:
             yield f"task {name}: its novelty or diameter is longer than any path without loops"
         if ours:
@@ -82,13 +78,10 @@ def _learning(result: LearningFile) -> Iterator[str]:
     yield from _library(result, len(result.tasks))
 
 
-def _episodes(name: str, task: TaskView, shortest: int, limit: int | None) -> Iterator[str]:
+def _episodes(name: str, task: TaskView, shortest: int, limit: int) -> Iterator[str]:
     if (task.steps[~task.truncated] < shortest).any():
         yield f"task {name}: an episode is shorter than the shortest path of {shortest} steps"
-    if limit is None:
-        if task.steps.max() > LARGEST // len(task.steps):
-            yield f"task {name}: its steps cannot be added up"
-    elif task.steps.max() > limit:
+    if task.steps.max() > limit:
         yield f"task {name}: an episode is longer than learning.max_steps ({limit})"
     elif (task.steps[task.truncated] < limit).any():
         yield f"task {name}: a truncated episode is shorter than learning.max_steps ({limit})"

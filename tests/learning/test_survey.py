@@ -15,7 +15,8 @@ from ptl.agent.subgoals import fd_metric
 from ptl.config import Learning
 from ptl.errors import UserError
 from ptl.learning._survey import NO_SUBGOAL, Survey, subgoals_from
-from ptl.learning.survey import add_up, chosen_starts, subgoal_frequencies
+from ptl.learning.starts import chosen_starts
+from ptl.learning.survey import add_up, subgoal_frequencies
 from ptl.world.gridworld import GridWorld
 
 ROOMS = GridWorld.from_text("#########\n#I..#...#\n#.......#\n#...#..A#\n#########\n")

@@ -64,7 +64,7 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
         write_learning(folder / f"seed_{seed}.h5", life, world, origin)
     arrays = subgoal_frequencies(world, np.arange(3), range(world.n_states), 5, Learning(), 1, "small")
     origin = {
-        "environment": "small", "trajectories": 5, "starts": world.n_states, "root_seed": 1, "code": "0" * 16,
+        "environment": "small", "trajectories": 5, "starts": 3, "root_seed": 1, "code": "0" * 16,
         "parameters": PARAMETERS.to_dict(),
     }  # fmt: skip
     write_frequencies(folder / "frequencies.h5", arrays, world, origin)
