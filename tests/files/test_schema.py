@@ -404,7 +404,7 @@ IMPOSSIBLE: list[tuple[str, Change, str]] = [
     (LEARNING, lambda file: file.move("/tasks/A", "/tasks/Z"), "task Z: does not lead"),
     (LEARNING, value("/tasks/A/steps", 3, 2**62), "an episode is longer than learning.max_steps"),
     (LEARNING, value("/tasks/A/truncated", 3, True), "a truncated episode is shorter than learning.max_steps"),
-    (LEARNING, both(at_root("method", "own"), value("/tasks/A/steps", 3, 2**62)), "its steps cannot be added up"),
+    (LEARNING, both(at_root("method", "own"), value("/tasks/A/steps", 3, 2**62)), "longer than learning.max_steps"),
     (LEARNING, attribute("/tasks/A", "novelty", 1e9), "its novelty or diameter"),
     (LEARNING, attribute("/tasks/A", "diameter", ROOMS.n_states), "its novelty or diameter"),
     (LEARNING, attribute("/tasks/A", "diameter", 0), "has a new subgoal though its diameter is 0"),
