@@ -39,6 +39,7 @@ def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dic
         If the file is missing, damaged, of another kind does not fit the declaration of its kind, or is impossible.
     """
     root = read_whole(path, kind)
+    assert isinstance(root, Node)  # kinds of plain arrays have no view of their own
     return dict(_arrays(root, "")), root.attrs
 
 
