@@ -1,22 +1,6 @@
 # The search for drawings and settings that fit the article's claims, in one job.
 # Not part of `rule all`; `snakemake -j2 fit` makes it.
 
-from contextlib import suppress
-
-SEARCH = "config/fit.yaml"
-SEARCH_CODE = code_digest("ptl.study.fit", *method_modules(METHODS))
-
-
-def search_digest():
-    """Digest of all that the search depends on; its file is checked when it runs."""
-    maps = []
-    with suppress(UserError, AttributeError, KeyError, TypeError):
-        maps = sorted(map(str, read_yaml(SEARCH)["reference"]["maps"].values()))
-    files = {
-        path: sha256(Path(path)) for path in (SEARCH, *maps) if os.path.isfile(path)
-    }
-    return digest_of(files, OWN_CONFIG, SEARCH_CODE)
-
 
 rule search_fit:
     input:
@@ -26,7 +10,7 @@ rule search_fit:
         parts="<reports>/fit/parts.csv",
         halves="<reports>/fit/halves.csv",
         # is missing as long as the search was not made for this configuration, these maps and this code
-        searched=f"<results>/fit/searched/{search_digest()}",
+        searched=f"<results>/searched/{search_digest()}",
     log:
         "<logs>/fit/search.log",
     conda:

@@ -1,45 +1,6 @@
 # The robustness study: one job per setting, verdicts as in the main run, and the unknowns that affect them.
 # Not part of `rule all`; `snakemake -j2 robustness` makes it.
 
-from functools import cache
-
-from ptl.files.question import asked_jobs
-from ptl.files.schema import SETTING
-from ptl.study.cost import cost_of_settings
-from ptl.study.robustness.design import jobs_of, read_study
-
-STUDY = config["robustness"]["study"]
-
-
-@cache
-def study():
-    """The study's content, read only when it is asked for."""
-    try:
-        return read_study(STUDY)
-    except UserError as error:
-        refuse(error)
-
-
-@cache
-def settings():
-    """Jobs of the settings by name."""
-    try:
-        jobs = jobs_of(study(), OWN_CONFIG)
-        cost = cost_of_settings(jobs.values(), WORLDS)
-        check_cost(cost, allowed=bool(os.environ.get(FLAG)))
-    except UserError as error:
-        refuse(error)
-    if workflow.is_main_process:
-        print(f"the robustness study takes about {cost}", file=sys.stderr)
-    return jobs
-
-
-def asked_settings(names):
-    """What the files of some settings must have been made from."""
-    return asked_jobs(
-        SETTING, {name: settings()[name] for name in names}, maps=map_digests()
-    )
-
 
 rule learn_setting:
     input:
@@ -169,7 +130,6 @@ rule check_robustness:
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=f"reports/{config['run']}",
         config=lambda wildcards: json.dumps({**OWN_CONFIG, "study": study().to_dict()}),
         maps=DIGESTS,
         asked=lambda wildcards: asked_settings(settings()),

@@ -12,7 +12,7 @@ with running(snakemake) as job:
     params = snakemake.params
     config = json.loads(params.config)
     check_records(Path("results", config["run"]), job.input, config, params.asked, params.codes)
-    folder = Path(params.get("folder", Path(job.output[0]).parent))
+    folder = Path("reports", config["run"])
     manifest = build(map(Path, [*job.input, *params.get("study", ())]), folder, config, params.maps)
     for path in job.output[:-1]:
         write_text(path, json.dumps(manifest, indent=1, sort_keys=True) + "\n")
