@@ -19,6 +19,7 @@ from ptl.files.configuration import read_yaml
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import digest_of
+from ptl.files.records import codes_of
 from ptl.files.regular import below, refuse_other, sha256
 from ptl.files.schema import LEARNING, LIVES
 from ptl.methods import identifier
@@ -69,12 +70,6 @@ FOREIGN_DIGESTS = {path: sha256(path) for path in STUDY.foreign_lives}
 QUESTION = design.question_of(STUDY, DIGESTS, CODES)
 SHOWN = {identifier(name): name for name in map(reference, STUDY.explorer.methods)}
 LEARNED = expand("<results>/lives/{cell}.h5", cell=CELLS)
-
-
-def codes():
-    """Digests of the code of all rules so far that have one for all their jobs."""
-    found = {each.name: each.params.get("code") for each in workflow.rules}
-    return {name: code for name, code in found.items() if isinstance(code, str)}
 
 
 shell.prefix(
@@ -260,7 +255,7 @@ rule check_study:
         # tells products that were made here from those that were checked out
         made="<results>/made.json",
         # is missing as long as no manifest was written for this configuration, these maps and this code
-        checked=f"<results>/checked/{digest_of(STUDY.to_dict(), QUESTION, codes(), FOREIGN_DIGESTS)}",
+        checked=f"<results>/checked/{digest_of(STUDY.to_dict(), QUESTION, codes_of(workflow.rules), FOREIGN_DIGESTS)}",
     log:
         "<logs>/check_study.log",
     conda:
@@ -269,7 +264,7 @@ rule check_study:
         config=json.dumps(STUDY.to_dict()),
         maps=DIGESTS,
         asked=QUESTION,
-        codes=codes(),
+        codes=codes_of(workflow.rules),
         code=code_digest("ptl.files.manifest", "ptl.files.records"),
     message:
         "Holding all products against the study"

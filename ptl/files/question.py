@@ -24,6 +24,7 @@ from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SE
 from ptl.keys import shortened
 from ptl.methods import by_identifier, names
 from ptl.methods.beyond import module_of
+from ptl.world.gridworld import map_digest
 
 if TYPE_CHECKING:
     from ptl.files.hdf5 import Node
@@ -63,11 +64,6 @@ Question = Mapping[str, Mapping[str, Any]]
 """What the files of each kind must have been made from, by format; JSON."""
 
 _asked: ContextVar[Question] = ContextVar("asked", default={})  # noqa: B039 - never changed
-
-
-def map_digest(text: str) -> str:
-    """Return the digest of a map, of its text as `GridWorld.text` gives it."""
-    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def digest_of(*parts: Any) -> str:

@@ -76,6 +76,12 @@ class _Record:
     outputs: dict[str, str]
 
 
+def codes_of(rules: Iterable[Any]) -> dict[str, str]:
+    """Return the digest of the code of those of Snakemake's rules that have one for all their jobs, by name."""
+    found = {rule.name: rule.params.get("code") for rule in rules}
+    return {name: code for name, code in found.items() if isinstance(code, str)}
+
+
 def check_records(
     folder: Path,
     products: Iterable[str],

@@ -7,6 +7,7 @@ wall leaves the agent where it is (our choice; the article states only the four 
 
 from __future__ import annotations
 
+import hashlib
 from functools import cached_property
 from pathlib import Path
 
@@ -198,6 +199,11 @@ def _check_rectangle(rows: list[str], name: str) -> None:
                 f"{name}: row {number} has {len(row)} cells but row 1 has {len(rows[0])};"
                 " make all rows equally long (fill up with '#')"
             )
+
+
+def map_digest(text: str) -> str:
+    """Return the first 16 digits of the sha256 of a map's text, as `GridWorld.text` gives it."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def load_map(path: str | Path) -> GridWorld:

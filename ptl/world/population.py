@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from ptl.errors import UserError
-from ptl.world.gridworld import MAX_CELLS, GridWorld, read_text
+from ptl.world.gridworld import MAX_CELLS, GridWorld, map_digest, read_text
 from ptl.world.mazes import FAMILIES, FREE, GOALS, START, WALL, largest_part, to_text
 
 BANDS = {"tuning": 1000, "test": 4000}
@@ -196,8 +196,8 @@ def winding(world: GridWorld) -> float:
 
 
 def hash_of(world: GridWorld) -> str:
-    """Return the first 16 digits of the sha256 of a map's text."""
-    return hashlib.sha256(world.text.encode()).hexdigest()[:16]
+    """Return the digest of a map's text."""
+    return map_digest(world.text)
 
 
 def all_entries() -> Iterator[Entry]:

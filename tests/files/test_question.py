@@ -21,11 +21,11 @@ from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.manifest import _content
 from ptl.files.outside import learning_code
-from ptl.files.question import SIDE_MAPS, asking, map_digest, question_of
+from ptl.files.question import SIDE_MAPS, asking, question_of
 from ptl.files.records import check_records, write_record
 from ptl.files.results import read_result
 from ptl.files.schema import GROWTH, LEARNING
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, map_digest
 
 PAIRED = "results and products paired with another run, all refused"
 

@@ -12,12 +12,13 @@ from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
-from ptl.files.question import SIDE_MAPS, about, digest_of, map_digest, question_of
+from ptl.files.question import SIDE_MAPS, about, digest_of, question_of
+from ptl.files.records import codes_of
 from ptl.files.regular import below, refuse_other, sha256
 from ptl.report.figures import left_out
 from ptl.report.snakemake_report import keep_checksum, keep_texts
 from ptl.study.cost import FLAG, check_cost, cost_of
-from ptl.world.gridworld import load_map
+from ptl.world.gridworld import load_map, map_digest
 
 
 def refuse(error):
@@ -156,12 +157,6 @@ def looks(names=METHODS):
 def own_parameters(name):
     """Parameters of a method's own that the configuration gives."""
     return config["method_parameters"].get(name, {})
-
-
-def codes():
-    """Digests of the code of all rules so far that have one for all their jobs."""
-    found = {each.name: each.params.get("code") for each in workflow.rules}
-    return {name: code for name, code in found.items() if isinstance(code, str)}
 
 
 def products_of_study():

@@ -43,7 +43,7 @@ rule manifest:
         # tells products that were made here from those that were checked out
         made="<results>/made.json",
         # is missing as long as no manifest was written for this configuration, these maps and this code
-        checked=f"<results>/checked/{digest_of(config, DIGESTS, QUESTION, codes(), FOREIGN_DIGESTS)}",
+        checked=f"<results>/checked/{digest_of(config, DIGESTS, QUESTION, codes_of(workflow.rules), FOREIGN_DIGESTS)}",
     log:
         "<logs>/manifest.log",
     conda:
@@ -55,7 +55,7 @@ rule manifest:
             **QUESTION,
             **(asked_jobs(SETTING, DECISIONS, maps=map_digests()) if ARTICLE else {}),
         },
-        codes=codes(),
+        codes=codes_of(workflow.rules),
         study=products_of_study(),
         code=code_digest("ptl.files.manifest", "ptl.files.records"),
     message:

@@ -109,7 +109,7 @@ rule report_robustness:
         "../scripts/report_robustness.py"
 
 
-STUDY_CODES = codes()
+STUDY_CODES = codes_of(workflow.rules)
 STUDY_DIGEST = digest_of(
     sha256(Path(STUDY)) if os.path.isfile(STUDY) else "",
     OWN_CONFIG,

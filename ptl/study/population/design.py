@@ -12,14 +12,14 @@ from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics, chec
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
 from ptl.files.outside import learning_code
-from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code, map_digest
+from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code
 from ptl.files.schema import LEARNING, LIVES
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.learning.method_check import check_method
 from ptl.methods.beyond import module_of, reference
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.study.population.running import MOVING_AI, Cell, load_moving_ai
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld, load_map, map_digest
 from ptl.world.mazes import FAMILIES, GOALS
 from ptl.world.population import BANDS, MAPS, POPULATION, SEQUENCES, SIZE, Entry, read_population
 
