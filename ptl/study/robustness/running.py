@@ -13,11 +13,9 @@ import numpy as np
 
 from ptl.config import Parameters
 from ptl.errors import printable
-from ptl.files.arrays import write_arrays
-from ptl.files.hdf5 import Node
+from ptl.files.arrays import read_arrays, write_arrays
 from ptl.files.invariants import COMPLETE
 from ptl.files.provenance import code_digest
-from ptl.files.results import read_whole
 from ptl.files.schema import LONGEST_TEXT, SETTING
 from ptl.study.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld, load_map
@@ -116,15 +114,4 @@ def read_setting(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any
     UserError
         If the file cannot be read, or does not hold what its job says.
     """
-    root = read_whole(path, SETTING)
-    assert isinstance(root, Node)
-    arrays = {
-        f"{environment}/{method}/{name}": array
-        for environment, group in root.items()
-        if environment != "growth"
-        for method, lives in group.items()
-        for name, array in lives.items()
-    }
-    if "growth" in root:
-        arrays["growth/library_size"] = root["growth"]["library_size"]
-    return arrays, root.attrs
+    return read_arrays(path, SETTING)
