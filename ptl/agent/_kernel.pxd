@@ -62,6 +62,7 @@ cdef class Learner:
     cdef void fill_moves(self, uint32_t state) noexcept nogil
     cdef void warm_up(self, uint32_t state) noexcept nogil
     cdef void refresh(self, uint32_t state) noexcept nogil
+    cdef void inform(self, uint32_t state) noexcept nogil
     cdef void forget(self, uint32_t goal) noexcept nogil
     cdef void enter(self, uint32_t start) noexcept nogil
     cdef int run_greedily(self, int64_t budget, uint64_t epsilon) except -1 nogil

@@ -582,19 +582,11 @@ cdef class Learner:
                 self.cold[before[j]] = 0
 
     cdef void fill_moves(self, uint32_t state) noexcept nogil:
-        """Rewrite the greedy slots of a state after its set of greedy actions has changed; uniform slots never do."""
+        """Rewrite the greedy slots of a state whose greedy actions have changed; uniform slots never do."""
         cdef uint32_t* row = &self.moves[SLOTS * state]
-        cdef uint8_t greedy = self.greedy[state]
-        cdef uint32_t move
         cdef int slot
-        if greedy & (greedy - 1):
-            for slot in range(GREEDY_SLOTS):
-                row[slot] = row[GREEDY_SLOTS + TIED_ACTION[greedy][slot]]
-        else:
-            # One greedy action, by far the most frequent case once Q is informed.
-            move = row[GREEDY_SLOTS + TIED_ACTION[greedy][0]]
-            for slot in range(GREEDY_SLOTS):
-                row[slot] = move
+        for slot in range(GREEDY_SLOTS):
+            row[slot] = row[GREEDY_SLOTS + TIED_ACTION[self.greedy[state]][slot]]
 
     cdef void refresh(self, uint32_t state) noexcept nogil:
         """Find the best value and the greedy actions of a state anew (exact equality makes a tie)."""
@@ -602,15 +594,31 @@ cdef class Learner:
         cdef double first = q[1] if q[1] > q[0] else q[0]
         cdef double second = q[3] if q[3] > q[2] else q[2]
         cdef double best = second if second > first else first
-        cdef uint8_t greedy
-        greedy = (q[0] == best) | (q[1] == best) << 1 | (q[2] == best) << 2 | (q[3] == best) << 3
+        # none is above the best, and >= needs no check for NaN, which == does
+        cdef uint8_t greedy = (q[0] >= best) | (q[1] >= best) << 1 | (q[2] >= best) << 2 | (q[3] >= best) << 3
+        cdef uint32_t* row = &self.moves[SLOTS * state]
+        cdef uint32_t move
+        cdef int slot
         self.best[state] = best
         if state != self.goal:
             self.target[state] = self.gamma * best
-        if greedy != self.greedy[state]:
+        if not greedy & (greedy - 1):
+            # One greedy action, by far the most frequent case once Q is informed. Writing its move where it may stand
+            # already is faster than a branch that cannot be foreseen.
+            self.greedy[state] = greedy
+            move = row[GREEDY_SLOTS + (greedy >> 1) - (greedy >> 3)]
+            for slot in range(GREEDY_SLOTS):
+                row[slot] = move
+        elif greedy != self.greedy[state]:
             self.greedy[state] = greedy
             self.fill_moves(state)
-        if not self.informed[state] and (q[0] != 0 or q[1] != 0 or q[2] != 0 or q[3] != 0):
+        if not self.informed[state]:
+            self.inform(state)
+
+    cdef void inform(self, uint32_t state) noexcept nogil:
+        """Note that Q is no longer zero in a state, if so."""
+        cdef double* q = &self.values[4 * state]
+        if q[0] != 0 or q[1] != 0 or q[2] != 0 or q[3] != 0:
             self.informed[state] = 1
             self.informed_states[self.n_informed] = state
             self.n_informed += 1
@@ -829,7 +837,18 @@ def checked_mask(mask, shape):
 
 def checked_policy(policy, n_states):
     """Return a copy of a policy as an int8 array (n_states,), or raise ValueError."""
-    policy = np.array(policy, order="C")
-    if policy.shape != (n_states,) or policy.dtype.kind not in "iu" or policy.min() < -1 or policy.max() > 3:
-        raise ValueError("a policy needs one action from -1 to 3 for each state")
-    return policy.astype(np.int8)
+    given = np.array(policy, order="C")
+    if given.shape == (n_states,) and given.dtype.kind in "iu":
+        narrow = given.astype(np.int8, copy=False)
+        if (narrow is given or (narrow == given).all()) and are_actions(narrow):
+            return narrow
+    raise ValueError("a policy needs one action from -1 to 3 for each state")
+
+
+cdef bint are_actions(const signed char[::1] policy) noexcept:
+    """Whether each entry is an action or -1."""
+    cdef Py_ssize_t state
+    cdef bint fits = True
+    for state in range(len(policy)):
+        fits &= -1 <= policy[state] <= 3
+    return fits

@@ -83,11 +83,11 @@ def prior_of_distances(
     return weights / weights.sum()
 
 
-def draw_index(probabilities: np.ndarray, random: np.random.Generator) -> int:
-    """Draw an index with the given probabilities, from one uniform number."""
-    cumulated = np.cumsum(probabilities)
-    # Rounding may leave the last sum a little below 1.
-    return min(int(np.searchsorted(cumulated, random.random(), side="right")), len(cumulated) - 1)
+def draw_index(weights: np.ndarray, random: np.random.Generator) -> int:
+    """Draw an index with probability proportional to its weight, from one uniform number."""
+    cumulated = np.add.accumulate(weights)
+    # Rounding may bring the product up to the last sum.
+    return min(int(cumulated.searchsorted(random.random() * cumulated[-1], side="right")), len(cumulated) - 1)
 
 
 class SkillSelection:
@@ -112,7 +112,7 @@ class SkillSelection:
         self.prior = prior
         self._exponent = exponent
         self._weight = weight
-        self._performance = np.full(len(prior), np.nan)
+        self._performance = np.zeros(len(prior))  # 0 where unused
 
     @property
     def prior(self) -> np.ndarray:
@@ -130,25 +130,27 @@ class SkillSelection:
     @property
     def performance(self) -> np.ndarray:
         """v_i, float (k,): moving average of 1 / length; an unused skill has the best v, 1 before any episode."""
-        unused = np.isnan(self._performance)
-        if unused.all():
-            return np.ones(len(unused))
-        return np.where(unused, np.fmax.reduce(self._performance), self._performance)
+        best = self._performance.max()
+        return np.where(self._performance > 0, self._performance, best if best > 0 else 1.0)
+
+    def weights(self) -> np.ndarray:
+        """Return a multiple of the probability of drawing each skill, float (k,); the greatest is 1."""
+        # in logarithms, because a large exponent takes the product of prior and likelihood out of range
+        logarithms = self._log_prior + self._exponent * np.log(self.performance)
+        return np.exp(logarithms - logarithms.max())
 
     def probabilities(self) -> np.ndarray:
         """Return the probability of drawing each skill, float (k,)."""
-        # in logarithms, because a large exponent takes the product of prior and likelihood out of range
-        logarithms = self._log_prior + self._exponent * np.log(self.performance)
-        weights = np.exp(logarithms - logarithms.max())
+        weights = self.weights()
         return weights / weights.sum()
 
     def draw(self, random: np.random.Generator) -> int:
         """Draw a skill; one uniform number and one loop over the skills."""
-        return draw_index(self.probabilities(), random)
+        return draw_index(self.weights(), random)
 
     def record(self, used: Iterable[int], length: int) -> None:
         """Update every skill used in an episode with the episode's length in steps."""
         for skill in set(used):
             old = self._performance[skill]
             new = 1.0 / length
-            self._performance[skill] = new if np.isnan(old) else old + self._weight * (new - old)
+            self._performance[skill] = old + self._weight * (new - old) if old else new

@@ -35,7 +35,7 @@ class Method(BaseMethod):
 
     def run_episode(self, learner: Learner) -> list[int]:
         reuse = self.parameters.policy_reuse
-        arm = draw_index(self.arm_probabilities(), self.random)
+        arm = draw_index(self.arm_weights(), self.random)
         if arm == 0:
             learner.explore(epsilon=0.0)
         else:
@@ -51,7 +51,11 @@ class Method(BaseMethod):
         untaught = self.parameters.policy_reuse.untaught
         self.past_policies.append(greedy_policy(learner.q, everywhere=untaught == "first_action"))
 
+    def arm_weights(self) -> np.ndarray:
+        """Return a multiple of the probability of each arm in the next episode, float (1 + earlier tasks,)."""
+        return np.exp(self._temperature * (self._gain - self._gain.max()))
+
     def arm_probabilities(self) -> np.ndarray:
         """Return the probability of each arm in the next episode, float (1 + earlier tasks,)."""
-        weights = np.exp(self._temperature * (self._gain - self._gain.max()))
+        weights = self.arm_weights()
         return weights / weights.sum()
