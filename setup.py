@@ -14,6 +14,7 @@ from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformE
 # Sources of each extension, the .pyx first; ptl/files/provenance.py compares their digest with what lies there.
 SOURCES = {
     "ptl.agent._kernel": ["ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
+    "ptl.agent._selection": ["ptl/agent/_selection.pyx"],
     "ptl.world._graph": ["ptl/world/_graph.pyx"],
     "ptl.learning._survey": ["ptl/learning/_survey.pyx", "ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
 }

@@ -33,7 +33,7 @@ _PLACES = {
     "fd_metric": "ptl.agent.subgoals",
     "Skill": "ptl.agent.skills",
     "SkillLibrary": "ptl.agent.skills",
-    "SkillSelection": "ptl.agent.selection",
+    "SkillSelection": "ptl.agent._selection",
     "greedy_policy": "ptl.agent.policies",
     "open_learning": "ptl.files.results",
     "write_learning": "ptl.files.results",

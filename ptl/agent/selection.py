@@ -3,7 +3,7 @@
 C is the convergence of the system, S the skill and G the goal. For a given goal a skill is drawn with probability
 proportional to P(C|s_i, g) P(s_i|g). The article says that the prior P(s_i|g) is a heuristic on similarity with the
 goal that disregards transition probabilities, and that the likelihood P(C|s_i, g) follows the agent's performance with
-the skill; both forms below are our choice.
+the skill; the forms of both are our choice. The likelihood and the draw are in `ptl.agent._selection`.
 """
 
 from __future__ import annotations
@@ -88,69 +88,3 @@ def draw_index(weights: np.ndarray, random: np.random.Generator) -> int:
     cumulated = np.add.accumulate(weights)
     # Rounding may bring the product up to the last sum.
     return min(int(cumulated.searchsorted(random.random() * cumulated[-1], side="right")), len(cumulated) - 1)
-
-
-class SkillSelection:
-    """Draws skills and learns from the episodes how well each one serves the present goal.
-
-    Parameters
-    ----------
-    prior : float array, shape (k,)
-        P(s_i|g).
-    exponent : float
-        kappa in P(C|s_i, g) proportional to v_i**kappa.
-    weight : float
-        beta, weight of the newest episode in the moving average v_i of 1 / length.
-
-    Raises
-    ------
-    ValueError
-        If the prior is no probability distribution.
-    """
-
-    def __init__(self, prior: np.ndarray, exponent: float = 2.0, weight: float = 0.5) -> None:
-        self.prior = prior
-        self._exponent = exponent
-        self._weight = weight
-        self._performance = np.zeros(len(prior))  # 0 where unused
-
-    @property
-    def prior(self) -> np.ndarray:
-        """P(s_i|g), float (k,); another one may be set while the task is learned."""
-        return self._prior
-
-    @prior.setter
-    def prior(self, prior: np.ndarray) -> None:
-        if not (len(prior) and (prior >= 0).all() and abs(prior.sum() - 1) < 1e-6):  # false for NaN
-            raise ValueError(f"the prior must hold probabilities that sum to 1, not {prior}")
-        self._prior = prior
-        with np.errstate(divide="ignore"):
-            self._log_prior = np.log(prior)
-
-    @property
-    def performance(self) -> np.ndarray:
-        """v_i, float (k,): moving average of 1 / length; an unused skill has the best v, 1 before any episode."""
-        best = self._performance.max()
-        return np.where(self._performance > 0, self._performance, best if best > 0 else 1.0)
-
-    def weights(self) -> np.ndarray:
-        """Return a multiple of the probability of drawing each skill, float (k,); the greatest is 1."""
-        # in logarithms, because a large exponent takes the product of prior and likelihood out of range
-        logarithms = self._log_prior + self._exponent * np.log(self.performance)
-        return np.exp(logarithms - logarithms.max())
-
-    def probabilities(self) -> np.ndarray:
-        """Return the probability of drawing each skill, float (k,)."""
-        weights = self.weights()
-        return weights / weights.sum()
-
-    def draw(self, random: np.random.Generator) -> int:
-        """Draw a skill; one uniform number and one loop over the skills."""
-        return draw_index(self.weights(), random)
-
-    def record(self, used: Iterable[int], length: int) -> None:
-        """Update every skill used in an episode with the episode's length in steps."""
-        for skill in set(used):
-            old = self._performance[skill]
-            new = 1.0 / length
-            self._performance[skill] = old + self._weight * (new - old) if old else new

@@ -15,7 +15,8 @@ from typing import Any
 import numpy as np
 
 from ptl.agent._kernel import Dynamics, Learner
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent._selection import SkillSelection
+from ptl.agent.selection import prior
 from ptl.agent.skills import Skill, SkillLibrary
 from ptl.agent.subgoals import discover
 from ptl.benchmark import surveys

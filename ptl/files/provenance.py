@@ -17,6 +17,7 @@ from ptl.errors import UserError
 PACKAGE = Path(__file__).parent.parent
 EXTENSIONS = {
     "ptl.agent._kernel": ("agent/_kernel.pyx", "agent/_kernel.pxd"),
+    "ptl.agent._selection": ("agent/_selection.pyx",),
     "ptl.world._graph": ("world/_graph.pyx",),
     "ptl.learning._survey": ("learning/_survey.pyx", "agent/_kernel.pyx", "agent/_kernel.pxd"),
 }

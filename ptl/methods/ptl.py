@@ -6,7 +6,8 @@ import numpy as np
 
 from ptl.agent import finders
 from ptl.agent._kernel import Learner
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent._selection import SkillSelection
+from ptl.agent.selection import prior
 from ptl.agent.skills import SkillLibrary
 from ptl.config import Parameters
 from ptl.methods._base import BaseMethod

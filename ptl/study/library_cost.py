@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent._selection import SkillSelection
+from ptl.agent.selection import prior
 from ptl.study.tables import read_table
 
 SELECTION_COLUMNS, STORAGE_COLUMNS = ("skills", "operations"), ("states", "skills", "bytes")
 
 SIZES = (1, 2, 5, 10, 20, 50, 100, 200, 350, 500, 700, 1000, 2000, 5000)
 """Numbers of skills for which a selection is counted."""
+
+LAST_DRAWN = SimpleNamespace(random=lambda: np.nextafter(1.0, 0.0))
+"""Source of a random number with which a draw looks at all skills, the costliest case."""
 
 STORED_SIZES = (1, 3, 10, 30, 100)
 """Numbers of skills for which bytes are given."""
@@ -81,32 +86,27 @@ class CountedArray(np.ndarray):
         return self.counter.array(result) if isinstance(result, np.ndarray) else result
 
 
-class _CountedSelection(SkillSelection):
-    def __init__(self, prior: np.ndarray, counter: Counter) -> None:
-        super().__init__(prior)
-        self._performance = counter.array(self._performance)
-
-
 def selection_operations(sizes: Iterable[int] = SIZES, seed: int = 0) -> pd.DataFrame:
     """Count the operations of one skill selection for libraries of several sizes.
 
-    A selection is the prior for a goal, the weighting by the likelihood after an episode, and the draw, as
-    `ptl.agent.selection` computes them.
+    A selection is the prior for a goal, as `ptl.agent.selection` computes it, then the weighting by the likelihood
+    after an episode and the draw, as `ptl.agent._selection.SkillSelection` does.
 
     Returns
     -------
     DataFrame
-        Columns `SELECTION_COLUMNS`; operations are elements that numpy's functions go through.
+        Columns `SELECTION_COLUMNS`; operations are elements that numpy's functions go through in the prior, and skills
+        that the compiled loops look at in the draw, which is the costliest possible.
     """
     random = np.random.default_rng(seed)
     rows = []
     for size in sizes:
         counter = Counter()
         cells = counter.array(random.integers(0, 1000, size=(size, 2)))
-        selection = _CountedSelection(prior(cells, counter.visited(range(size)), 0, 1000.0), counter)
+        selection = SkillSelection(prior(cells, counter.visited(range(size)), 0, 1000.0))
         selection.record([0], 100)
-        selection.draw(random)
-        rows.append((size, counter.operations))
+        selection.draw(LAST_DRAWN)
+        rows.append((size, counter.operations + selection.visits))
     return pd.DataFrame(rows, columns=list(SELECTION_COLUMNS))
 
 

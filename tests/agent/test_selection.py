@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent._selection import SkillSelection
+from ptl.agent.selection import prior
 
 CELLS = np.array([(0, 0), (0, 4), (3, 0)])
 
@@ -98,3 +101,50 @@ def test_a_skill_without_probability_is_never_drawn():
     selection = SkillSelection(np.array([0.0, 1.0]))
     random = np.random.default_rng(5)
     assert {selection.draw(random) for _ in range(200)} == {1}
+
+
+@pytest.mark.parametrize("skills", [1, 2, 9, 40])
+def test_draws_are_those_of_the_formulas(skills):
+    random = np.random.default_rng(skills)
+    chances = random.dirichlet(np.full(skills, 0.3))
+    selection = SkillSelection(chances, exponent=1.7, weight=0.3)
+    values: dict[int, float] = {}
+    for _ in range(300):
+        best = max(values.values(), default=1.0)
+        weights = chances * np.array([values.get(skill, best) for skill in range(skills)]) ** 1.7
+        np.testing.assert_allclose(selection.probabilities(), weights / weights.sum(), rtol=1e-12)
+
+        share = random.random()
+        drawn = selection.draw(SimpleNamespace(random=lambda share=share: share))
+        assert drawn == (np.cumsum(weights / weights.sum()) <= share).sum()
+
+        length = int(random.integers(1, 10**6))
+        used = {drawn, int(random.integers(skills))}
+        selection.record(list(used), length)
+        for skill in used:
+            values[skill] = values[skill] + 0.3 * (1 / length - values[skill]) if skill in values else 1 / length
+
+
+def test_the_greatest_random_number_draws_the_last_skill():
+    selection = SkillSelection(np.full(49, 1 / 49))
+    assert selection.draw(SimpleNamespace(random=lambda: np.nextafter(1.0, 0.0))) == 48
+
+
+@pytest.mark.parametrize("skill", [-1, 3])
+def test_a_skill_that_is_not_there_is_refused(skill):
+    with pytest.raises(IndexError, match=f"no skill {skill} among 3"):
+        SkillSelection(np.full(3, 1 / 3)).record([skill], 10)
+
+
+def test_another_prior_has_as_many_skills():
+    selection = SkillSelection(np.full(3, 1 / 3))
+    with pytest.raises(ValueError, match="3 skills cannot become one of 2"):
+        selection.prior = np.full(2, 1 / 2)
+
+
+def test_a_prior_changed_afterwards_does_not_reach_the_selection():
+    chances = np.array([1.0, 0.0])
+    selection = SkillSelection(chances)
+    chances[:] = [0.0, 1.0]
+    assert selection.prior.tolist() == [1.0, 0.0]
+    assert selection.draw(np.random.default_rng(0)) == 0

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
+import gc
 import sys
 import tracemalloc
 from collections import Counter
@@ -16,7 +17,7 @@ import pytest
 from ptl import methods
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
-from ptl.agent.selection import SkillSelection
+from ptl.agent._selection import SkillSelection
 from ptl.benchmark.probes import searches_of, world_of
 from ptl.config import Parameters
 from ptl.learning import life as learning
@@ -104,11 +105,13 @@ def calls_of(work: Callable[[], object]) -> Counter[str]:
         elif event == "c_call":
             calls[getattr(argument, "__qualname__", str(argument))] += 1
 
+    gc.disable()  # a collection calls what others have asked it to
     sys.setprofile(note)
     try:
         work()
     finally:
         sys.setprofile(None)
+        gc.enable()
     return calls
 
 

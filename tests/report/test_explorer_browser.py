@@ -15,8 +15,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
 
+from ptl.agent._selection import SkillSelection
 from ptl.agent.policies import greedy_policy
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent.selection import prior
 from ptl.files.results import open_learning
 from ptl.report.explorer import replay
 from ptl.report.explorer.data import collect

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ptl.agent import selection
+from ptl.agent.selection import prior
 from ptl.errors import UserError
 from ptl.report.figures.library_cost import cost_frame
+from ptl.study import library_cost
 from ptl.study.library_cost import Counter, library_bytes, selection_operations
 
 
@@ -51,19 +52,24 @@ def test_a_function_that_cannot_be_counted_is_refused():
 
 def test_a_selection_costs_the_same_for_each_skill():
     counts = selection_operations([100, 200, 400]).set_index("skills")["operations"]
-    # beside the linear part there are two steps for a binary search that is four times as long
-    assert counts[400] - counts[200] == 2 * (counts[200] - counts[100]) - 1
+    assert counts[400] - counts[200] == 2 * (counts[200] - counts[100])
 
 
-def test_a_quadratic_selection_shows(monkeypatch):
-    draw = selection.draw_index
+def test_a_quadratic_prior_shows(monkeypatch):
+    def slow(*arguments):
+        chances = prior(*arguments)
+        return chances + 0 * np.multiply.outer(chances, chances).sum()
 
-    def slow(probabilities, random):
-        return draw((np.multiply.outer(probabilities, probabilities)).sum(axis=1), random)
-
-    monkeypatch.setattr(selection, "draw_index", slow)
+    monkeypatch.setattr(library_cost, "prior", slow)
     counts = selection_operations([500, 1000])["operations"]
     assert counts[1] / counts[0] > 3.5
+
+
+def test_the_draw_is_counted():
+    counter = Counter()
+    rows = selection_operations([300])["operations"]
+    prior(counter.array(np.zeros((300, 2), dtype=int)), counter.visited(range(300)), 0, 1000.0)
+    assert rows[0] - counter.operations >= 4 * 300 - 1
 
 
 def test_numbers_of_the_figure():
@@ -71,7 +77,7 @@ def test_numbers_of_the_figure():
     frame = cost_frame(selection_cost, library_bytes([20, 50], [1, 3]))
     part = frame[frame["kind"] == "selection"]
     assert part["operations"].tolist() == selection_cost["operations"].tolist()
-    assert part["operations_per_skill"].unique() == pytest.approx([36], rel=0.01)
+    assert part["operations_per_skill"].unique() == pytest.approx([27], rel=0.01)
     assert frame.loc[frame["kind"] == "storage", "bytes"].tolist() == [24, 72, 54, 162]
     with pytest.raises(UserError, match="two library sizes"):
         cost_frame(selection_cost[:1], library_bytes([20]))

@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm
 
-from ptl.agent.selection import SkillSelection, prior
+from ptl.agent._selection import SkillSelection
+from ptl.agent.selection import prior
 from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.files.results import open_learning

@@ -1,0 +1,126 @@
+# cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
+# cython: embedsignature=True
+"""The draw of a skill, compiled because a life has thousands of draws and each is a few sums; see `ptl.agent.selection`."""
+
+from libc.math cimport exp, log
+from libc.stdint cimport int64_t
+
+import numpy as np
+
+cdef extern from *:
+    """
+    #ifndef PTL_SOURCE_DIGEST
+    #define PTL_SOURCE_DIGEST "unknown"
+    #endif
+    """
+    const char* PTL_SOURCE_DIGEST
+
+SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
+"""sha256 of the sources that this extension was built from."""
+
+
+cdef class SkillSelection:
+    """Draws skills and learns from the episodes how well each one serves the present goal.
+
+    Parameters
+    ----------
+    prior : float array, shape (k,)
+        P(s_i|g).
+    exponent : float
+        kappa in P(C|s_i, g) proportional to v_i**kappa.
+    weight : float
+        beta, weight of the newest episode in the moving average v_i of 1 / length.
+
+    Attributes
+    ----------
+    visits : int
+        How often a skill has been looked at by draws so far: what they cost.
+
+    Raises
+    ------
+    ValueError
+        If the prior is no probability distribution.
+    """
+
+    cdef double _exponent, _weight
+    cdef object _prior
+    cdef const double[::1] _log_prior
+    cdef double[::1] _measured, _weights
+    cdef readonly int64_t visits
+
+    def __init__(self, prior, double exponent=2.0, double weight=0.5):
+        self.prior = prior
+        self._exponent, self._weight = exponent, weight
+        self._measured, self._weights = np.zeros(len(prior)), np.empty(len(prior))
+
+    @property
+    def prior(self):
+        """P(s_i|g), float (k,); another one of this length may be set while the task is learned."""
+        return self._prior
+
+    @prior.setter
+    def prior(self, prior):
+        prior = np.array(prior, dtype=np.float64, subok=True)  # an array that counts its use stays one
+        if not (prior.ndim == 1 and len(prior) and (prior >= 0).all() and abs(prior.sum() - 1) < 1e-6):  # nor NaN
+            raise ValueError(f"the prior must hold probabilities that sum to 1, not {prior}")
+        if self._prior is not None and len(prior) != len(self._prior):
+            raise ValueError(f"the prior of {len(self._prior)} skills cannot become one of {len(prior)}")
+        prior.flags.writeable = False
+        self._prior = prior
+        with np.errstate(divide="ignore"):
+            self._log_prior = np.log(prior)
+
+    @property
+    def performance(self):
+        """v_i, float (k,): moving average of 1 / length; an unused skill has the best v, 1 before any episode."""
+        measured = np.array(self._measured)
+        return np.where(measured > 0, measured, measured.max() or 1.0)
+
+    def probabilities(self):
+        """Return the probability of drawing each skill, float (k,)."""
+        total = self.weigh()
+        return np.array(self._weights) / total
+
+    def draw(self, random):
+        """Draw a skill; one uniform number and a few loops over the skills."""
+        cdef double share = random.random(), aim = share * self.weigh(), passed = 0.0
+        cdef Py_ssize_t skill, last = len(self._weights) - 1
+        for skill in range(last):
+            self.visits += 1
+            passed += self._weights[skill]
+            if aim < passed:
+                return skill
+        return last  # also if rounding has brought the aim up to the sum
+
+    def record(self, used, length):
+        """Update every skill used in an episode with the episode's length in steps."""
+        cdef double new = 1.0 / length
+        cdef Py_ssize_t skill
+        for skill in set(used):
+            if not 0 <= skill < len(self._measured):
+                raise IndexError(f"there is no skill {skill} among {len(self._measured)}")
+            if self._measured[skill]:
+                self._measured[skill] += self._weight * (new - self._measured[skill])
+            else:
+                self._measured[skill] = new
+
+    cdef double weigh(self) noexcept:
+        """Write a multiple of each skill's probability, the greatest 1, and return their sum."""
+        cdef double best = 0.0, greatest = 0.0, total = 0.0, of_unused, performance
+        cdef Py_ssize_t skill, number = len(self._weights)
+        for skill in range(number):
+            self.visits += 1
+            best = max(best, self._measured[skill])
+        of_unused = log(best) if best > 0 else 0.0
+        # in logarithms, because a large exponent takes the product of prior and likelihood out of range
+        for skill in range(number):
+            self.visits += 1
+            performance = log(self._measured[skill]) if self._measured[skill] > 0 else of_unused
+            self._weights[skill] = self._log_prior[skill] + self._exponent * performance
+            if skill == 0 or self._weights[skill] > greatest:
+                greatest = self._weights[skill]
+        for skill in range(number):
+            self.visits += 1
+            self._weights[skill] = exp(self._weights[skill] - greatest)
+            total += self._weights[skill]
+        return total
