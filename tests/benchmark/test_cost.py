@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import re
 import shutil
 import subprocess
-import gc
 import sys
 import tracemalloc
 from collections import Counter
