@@ -1,6 +1,9 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: embedsignature=True
-"""The draw of a skill, compiled because a life has thousands of draws and each is a few sums; see `ptl.agent.selection`."""
+"""Draws of skills and arms, compiled because a life has thousands of them and each is a few sums.
+
+What a skill's probability is made of says `ptl.agent.selection`.
+"""
 
 from libc.math cimport exp, log
 from libc.stdint cimport int64_t
@@ -17,6 +20,27 @@ cdef extern from *:
 
 SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
+
+
+def draw_index(weights, random):
+    """Draw an index with probability proportional to its weight, float (k,), from one uniform number."""
+    cdef const double[::1] given = weights
+    cdef double total = 0.0
+    cdef Py_ssize_t index
+    for index in range(len(given)):
+        total += given[index]
+    return place(given, random.random() * total)
+
+
+cdef Py_ssize_t place(const double[::1] weights, double aim) noexcept:
+    """The index at which the sum of the weights passes the aim; the last one also if rounding has made them equal."""
+    cdef double passed = 0.0
+    cdef Py_ssize_t index, last = len(weights) - 1
+    for index in range(last):
+        passed += weights[index]
+        if aim < passed:
+            return index
+    return last
 
 
 cdef class SkillSelection:
@@ -83,14 +107,10 @@ cdef class SkillSelection:
 
     def draw(self, random):
         """Draw a skill; one uniform number and a few loops over the skills."""
-        cdef double share = random.random(), aim = share * self.weigh(), passed = 0.0
-        cdef Py_ssize_t skill, last = len(self._weights) - 1
-        for skill in range(last):
-            self.visits += 1
-            passed += self._weights[skill]
-            if aim < passed:
-                return skill
-        return last  # also if rounding has brought the aim up to the sum
+        cdef double total = self.weigh()
+        cdef Py_ssize_t skill = place(self._weights, random.random() * total)
+        self.visits += skill + 1
+        return skill
 
     def record(self, used, length):
         """Update every skill used in an episode with the episode's length in steps."""

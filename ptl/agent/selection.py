@@ -81,10 +81,3 @@ def prior_of_distances(
             raise ValueError(f"unknown form of the prior: {form}")
     weights = np.exp(np.where(possible, logarithms, -np.inf))
     return weights / weights.sum()
-
-
-def draw_index(weights: np.ndarray, random: np.random.Generator) -> int:
-    """Draw an index with probability proportional to its weight, from one uniform number."""
-    cumulated = np.add.accumulate(weights)
-    # Rounding may bring the product up to the last sum.
-    return min(int(cumulated.searchsorted(random.random() * cumulated[-1], side="right")), len(cumulated) - 1)

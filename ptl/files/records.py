@@ -157,7 +157,7 @@ def _other_settings(
         if gone := sorted({*asked.get("methods", ())} - {*wanted.get("methods", ())}):
             yield f"was made from lives under {gone[0]}, which is not in the run", record.rule
             asked = {**asked, "methods": {name: asked["methods"][name] for name in wanted.get("methods", ())}}
-        if record.rule == "judge_setting":  # each judges one of the study's settings
+        if record.rule == "judge_settings":  # each judges some of the study's settings
             wanted = {**wanted, "jobs": {name: wanted.get("jobs", {}).get(name) for name in asked.get("jobs", ())}}
             learned_by = "learn_setting"
         if asked != wanted:

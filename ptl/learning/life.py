@@ -159,13 +159,16 @@ def learn_task(
 
 
 def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
-    fits = isinstance(drawn, list) and len(drawn) <= steps + 1
-    if fits and all(isinstance(number, (int, np.integer)) and 0 <= number <= MOST_DRAWN for number in drawn):
+    if isinstance(drawn, list) and len(drawn) <= steps + 1 and all(map(_is_draw, drawn)):
         return drawn
     raise UserError(
         f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), numbers from 0"
         f" to {MOST_DRAWN} and at most one more than steps, not {shortened(repr(drawn))}"
     )
+
+
+def _is_draw(number: Any) -> bool:
+    return isinstance(number, (int, np.integer)) and 0 <= number <= MOST_DRAWN
 
 
 def learn_life(

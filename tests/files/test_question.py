@@ -168,8 +168,8 @@ def test_records_of_another_shape_are_refused(change: dict[str, Any], run: dict[
 @pytest.mark.parametrize(
     ("rule", "asked"),
     [
-        ("measure", {"nope": {}}), ("measure", {GROWTH: {"methods": {"ptl": {}}}}), ("judge_setting", {LEARNING: {}}),
-        ("judge_setting", {LEARNING: {"jobs": {"a": 1}}}),
+        ("measure", {"nope": {}}), ("measure", {GROWTH: {"methods": {"ptl": {}}}}), ("judge_settings", {LEARNING: {}}),
+        ("judge_settings", {LEARNING: {"jobs": {"a": 1}}}),
     ],
 )  # fmt: skip
 def test_records_of_other_questions_are_refused(rule: str, asked: dict[str, Any], run: dict[str, Any]) -> None:

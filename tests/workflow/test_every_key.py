@@ -168,13 +168,13 @@ RULES = {
     "skills": LEARNING,
     "subgoals": LEARNING,
     "policy_reuse": {"learn", "learn_setting", "decide"},
-    "measures": {"measure", "judge_claims", "draw_figure", "judge_setting"},
-    "statistics": {"tabulate", "judge_claims", "draw_figure", "policy_reuse_table", "judge_setting"},
+    "measures": {"measure", "judge_claims", "draw_figure", "judge_settings"},
+    "statistics": {"tabulate", "judge_claims", "draw_figure", "policy_reuse_table", "judge_settings"},
     "decision": {"decide"},
     "growth.environment": {"grow", "learn_setting"},
     "growth.tasks": {"grow", "decide"},
     "growth.runs": {"grow", "collect_growth"},
-    "growth.breakpoint": {"draw_figure", "judge_claims", "judge_setting"},
+    "growth.breakpoint": {"draw_figure", "judge_claims", "judge_settings"},
     "subgoal_frequencies.batches": {"survey_batch", "merge_survey"},
     "subgoal_frequencies": {"survey_batch"},
     "robustness": {"report_robustness"},
@@ -228,17 +228,17 @@ def test_a_key_changes_some_job(key: Key, name: str, jobs_of: Callable[[dict[str
     [
         ("measures.window", 11, {
             "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "explorer.html",
-            "robustness/reference_1.verdicts.csv",
+            "robustness/reference.verdicts.csv",
         }),
         ("measures.threshold_factor", 2.0, {
-            "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "robustness/reference_1.verdicts.csv",
+            "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "robustness/reference.verdicts.csv",
         }),
-        ("growth.breakpoint", 6, {"claims.csv", "figures/figure14.png", "robustness/reference_1.verdicts.csv"}),
+        ("growth.breakpoint", 6, {"claims.csv", "figures/figure14.png", "robustness/reference.verdicts.csv"}),
         *[
             (f"statistics.{name}", value, {
                 "tables/metrics.csv", "tables/policy_reuse_fv.csv", "claims.csv", "figures/figure04.png",
                 "figures/figure12.png", "figures/figure14.png", "figures/policy_reuse_fv.png",
-                "robustness/reference_1.verdicts.csv",
+                "robustness/reference.verdicts.csv",
             })
             for name, value in [("confidence", 0.9), ("resamples", 300)]
         ],

@@ -21,6 +21,8 @@ def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path)
     assert (jobs["learn"], jobs["grow"], jobs["survey_batch"]) == (540, 30, 24)
     for rule in ("collect_growth", "draw_figure", "tabulate", "judge_claims", "policy_reuse_table", "manifest"):
         assert rule in jobs
+    study = project.waiting("--", "robustness")
+    assert (study["learn_setting"], study["judge_settings"], study["report_robustness"]) == (127, 3, 1)
 
 
 APART = ("manifest.json", "*.sha256", "first_reference/*", "fit/*", "benchmark.*", "scaling.*")

@@ -1,4 +1,5 @@
-# The robustness study: one job per setting, verdicts as in the main run, and the unknowns that affect them.
+# The robustness study: one job per setting, verdicts as in the main run by groups of settings, and the unknowns that
+# affect them.
 # Not part of `rule all`; `snakemake -j2 robustness` makes it.
 
 
@@ -26,36 +27,38 @@ rule learn_setting:
         "ptl robustness --job {params.job:q} --output {output:q} 2> {log:q}"
 
 
-rule judge_setting:
+rule judge_settings:
     input:
-        "<results>/robustness/{setting}.h5",
+        lambda wildcards: [
+            f"<results>/robustness/{name}.h5" for name in settings_of(wildcards.group)
+        ],
     output:
-        verdicts="<results>/robustness/{setting}.verdicts.csv",
-        targets="<results>/robustness/{setting}.targets.csv",
+        verdicts="<results>/robustness/{group}.verdicts.csv",
+        targets="<results>/robustness/{group}.targets.csv",
     log:
-        "<logs>/robustness/{setting}.judge.log",
+        "<logs>/robustness/{group}.judge.log",
     wildcard_constraints:
-        setting="[a-z0-9_.]+",
+        group="|".join(GROUPS),
     conda:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth"),
-        asked=lambda wildcards: asked_settings([wildcards.setting]),
+        asked=lambda wildcards: asked_settings(settings_of(wildcards.group)),
         code=code_digest("ptl.study.robustness.verdicts"),
     message:
-        "Judging the claims in the setting {wildcards.setting}"
+        "Judging the claims in the group {wildcards.group} of settings"
     script:
-        "../scripts/judge_setting.py"
+        "../scripts/judge_settings.py"
 
 
 rule report_robustness:
     input:
         study=STUDY,
         verdicts=lambda wildcards: [
-            f"<results>/robustness/{name}.verdicts.csv" for name in settings()
+            f"<results>/robustness/{group}.verdicts.csv" for group in used_groups()
         ],
         targets=lambda wildcards: [
-            f"<results>/robustness/{name}.targets.csv" for name in settings()
+            f"<results>/robustness/{group}.targets.csv" for group in used_groups()
         ],
     output:
         png=report(
@@ -143,5 +146,7 @@ rule check_robustness:
 
 rule robustness:
     input:
+        # missing in a fresh checkout, whose pages in reports/ are there
+        rules.report_robustness.input,
         rules.report_robustness.output,
         rules.check_robustness.output,

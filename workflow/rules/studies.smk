@@ -6,7 +6,7 @@ from functools import cache
 from ptl.files.question import asked_jobs
 from ptl.files.schema import SETTING
 from ptl.study.cost import cost_of_settings
-from ptl.study.robustness.design import jobs_of, read_study
+from ptl.study.robustness.design import GROUPS, jobs_of, read_study
 
 STUDY = config["robustness"]["study"]
 SEARCH = "config/fit.yaml"
@@ -34,6 +34,16 @@ def settings():
     if workflow.is_main_process:
         print(f"the robustness study takes about {cost}", file=sys.stderr)
     return jobs
+
+
+def settings_of(group):
+    """Names of the settings of a group."""
+    return [name for name, job in settings().items() if job["group"] == group]
+
+
+def used_groups():
+    """Groups that have settings, in order."""
+    return [group for group in GROUPS if settings_of(group)]
 
 
 def asked_settings(names):

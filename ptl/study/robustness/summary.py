@@ -41,7 +41,7 @@ VERDICT_COLUMNS = ("setting", "group", "changes", "status", "claim", "verdict", 
 
 
 def read_verdicts(paths: Iterable[str | Path]) -> pd.DataFrame:
-    """Read the verdicts of all settings, one file each, in the order of the files; errors as in `read_tables`."""
+    """Read the verdicts of all settings in the order of the files; errors as in `read_tables`."""
     return read_tables(paths, VERDICT_COLUMNS)
 
 
