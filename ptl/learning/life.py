@@ -168,7 +168,7 @@ def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
 
 
 def _is_draw(number: Any) -> bool:
-    return isinstance(number, (int, np.integer)) and 0 <= number <= MOST_DRAWN
+    return isinstance(number, (int, np.integer)) and 0 <= int(number) <= MOST_DRAWN
 
 
 def learn_life(

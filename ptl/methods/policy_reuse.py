@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ptl.agent._kernel import Learner
-from ptl.agent.policies import greedy_policy
 from ptl.agent._selection import draw_index
+from ptl.agent.policies import greedy_policy
 from ptl.config import Parameters
 from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
