@@ -28,7 +28,7 @@ class FDMetric:
         return self.frequency * self.distance
 
 
-DISTANCE_FORMS: dict[str, Callable[[np.ndarray, int], np.ndarray]] = {
+DISTANCE_FORMS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
     "tent": lambda j, length: 2.0 * np.minimum(j, length - j) / length,
     "parabola": lambda j, length: 4.0 * (j * (length - j)) / length**2,
 }
@@ -41,17 +41,16 @@ def fd_metric(paths: Sequence[np.ndarray], n_states: int, form: str = "tent") ->
     f(s) is the share of the paths that contain s. d(s) is the mean over those of a form of `DISTANCE_FORMS` at the
     position of s. A path of no steps counts in f and has distance 0.
     """
-    distance_at = DISTANCE_FORMS[form]
-    visits = np.zeros(n_states)
-    total = np.zeros(n_states)
-    for path in paths:
-        length = len(path) - 1
-        position = np.arange(length + 1)
-        visits[path] += 1
-        if length > 0:
-            total[path] += distance_at(position, length)
+    if not len(paths):
+        return FDMetric(np.zeros(n_states), np.zeros(n_states))
+    # all paths in one array, because a loop over them takes ten times as long
+    states, sizes = np.concatenate(paths), np.array([len(path) for path in paths])
+    position = np.arange(len(states)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    length = np.repeat(np.maximum(sizes - 1, 1), sizes)
+    visits = np.bincount(states, minlength=n_states)
+    total = np.bincount(states, DISTANCE_FORMS[form](position, length), minlength=n_states)
     distance = np.divide(total, visits, out=np.zeros(n_states), where=visits > 0)
-    return FDMetric(visits / max(len(paths), 1), distance)
+    return FDMetric(visits / len(paths), distance)
 
 
 def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) -> np.ndarray:
@@ -62,7 +61,7 @@ def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) ->
 
 def cut_known(path: np.ndarray, covered: np.ndarray) -> np.ndarray:
     """Return the rest of a path from its last covered state on; the whole path if none is covered."""
-    known = np.flatnonzero(covered[path])
+    (known,) = covered[path].nonzero()
     return path[known[-1] :] if known.size else path
 
 
