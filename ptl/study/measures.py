@@ -167,12 +167,11 @@ class Measure:
         """Name of the measure by which runs are compared with runs of the base."""
         return self.saves or self.name
 
-    def column(self, curves: Curves) -> pd.Series:
-        """Return its value for each seed; all are missing if it needs a base and there is none."""
+    def column(self, curves: Curves) -> np.ndarray:
+        """Return its value for each seed; all are NaN if it needs a base and there is none."""
         assert self.function is not None
         absent = self.saves and curves.base is None
-        values = np.full(len(curves.steps), np.nan) if absent else self.function(curves)
-        return pd.Series(values).astype("Int64" if self.whole else "float64")
+        return np.full(len(curves.steps), np.nan) if absent else self.function(curves)
 
 
 MEASURES = (
@@ -309,8 +308,9 @@ def measure(
         for learner in learners
     ]
     subgoals = [part.sort_values("seed", kind="stable") for part in parts]
+    per_seed = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(PER_SEED_COLUMNS))
     return Measurements(
-        per_seed=pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(PER_SEED_COLUMNS)),
+        per_seed=per_seed.astype({own.name: "Int64" if own.whole else "float64" for own in PER_SEED}),
         subgoals=pd.concat(subgoals, ignore_index=True) if subgoals else pd.DataFrame(columns=list(SUBGOAL_COLUMNS)),
         steps={own.names: own.steps for own in runs},
     )
