@@ -38,7 +38,7 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
 
-robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (half an hour).
+robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (a quarter of an hour).
 	$(SNAKEMAKE) robustness
 
 fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).

@@ -19,7 +19,7 @@ from ptl.world.population import Entry
 START = 0.25
 """CPU seconds of a job that are not learning."""
 
-LIFE = 0.05
+LIFE = 0.02
 """CPU seconds of a life that are not steps: subgoals and skills."""
 
 STEPS_A_SECOND = 1e8
