@@ -28,8 +28,11 @@ STAGES = {
     "run-tools": ["requirements.lock"],
     "test-tools": ["requirements-test.lock"],
     "benchmark-tools": ["requirements-benchmark.lock"],
-    "built": ["setup.py", "pyproject.toml", "requirements.lock", "ptl/__init__.py", "ptl/**/*.pyx", "ptl/**/*.pxd"],
-}
+    "built": [
+        "setup.py", "pyproject.toml", "requirements.lock", "ptl/__init__.py", "ptl/extensions.py", "ptl/**/*.pyx",
+        "ptl/**/*.pxd",
+    ],
+}  # fmt: skip
 """Files that each stage is made from; all but the first one need that one."""
 
 GENERATED = (".c", ".*.so")

@@ -1,6 +1,7 @@
 """Builds the compiled parts of ptl; everything else is declared in pyproject.toml."""
 
 import hashlib
+import runpy
 import shutil
 from pathlib import Path
 
@@ -11,13 +12,9 @@ from setuptools.command.build_ext import build_ext
 from setuptools.command.build_py import build_py
 from setuptools.errors import CCompilerError, CompileError, ExecError, PlatformError
 
-# Sources of each extension, the .pyx first; ptl/files/provenance.py compares their digest with what lies there.
-SOURCES = {
-    "ptl.agent._kernel": ["ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
-    "ptl.agent._selection": ["ptl/agent/_selection.pyx"],
-    "ptl.world._graph": ["ptl/world/_graph.pyx"],
-    "ptl.learning._survey": ["ptl/learning/_survey.pyx", "ptl/agent/_kernel.pyx", "ptl/agent/_kernel.pxd"],
-}
+# run, not imported, because the package is not built yet
+EXTENSIONS = runpy.run_path("ptl/extensions.py")["EXTENSIONS"]
+SOURCES = {name: [f"ptl/{source}" for source in sources] for name, sources in EXTENSIONS.items()}
 
 
 def digest(paths: list[str]) -> str:

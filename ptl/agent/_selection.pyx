@@ -1,4 +1,4 @@
-# cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
+# cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True
 # cython: embedsignature=True
 """Draws of skills and arms, compiled because a life has thousands of them and each is a few sums.
 
@@ -124,7 +124,7 @@ cdef class SkillSelection:
             else:
                 self._measured[skill] = new
 
-    cdef double weigh(self) noexcept:
+    cdef double weigh(self) except -1:
         """Write a multiple of each skill's probability, the greatest 1, and return their sum."""
         cdef double best = 0.0, greatest = 0.0, total = 0.0, of_unused, performance
         cdef Py_ssize_t skill, number = len(self._weights)

@@ -13,16 +13,9 @@ from importlib import import_module
 from pathlib import Path
 
 from ptl.errors import UserError
+from ptl.extensions import EXTENSIONS
 
 PACKAGE = Path(__file__).parent.parent
-EXTENSIONS = {
-    "ptl.agent._kernel": ("agent/_kernel.pyx", "agent/_kernel.pxd"),
-    "ptl.agent._selection": ("agent/_selection.pyx",),
-    "ptl.world._graph": ("world/_graph.pyx",),
-    "ptl.learning._survey": ("learning/_survey.pyx", "agent/_kernel.pyx", "agent/_kernel.pxd"),
-}
-"""Sources of each compiled module, in the order in which setup.py digests them."""
-
 FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.page": "report/explorer/web"}
 """Folders whose files a module reads; they count as its sources."""
 

@@ -148,3 +148,14 @@ def test_a_prior_changed_afterwards_does_not_reach_the_selection():
     chances[:] = [0.0, 1.0]
     assert selection.prior.tolist() == [1.0, 0.0]
     assert selection.draw(np.random.default_rng(0)) == 0
+
+
+def test_a_selection_that_was_not_made_is_refused():
+    class Forgetful(SkillSelection):
+        def __init__(self):
+            pass
+
+    with pytest.raises(AttributeError, match="not initialized"):
+        Forgetful().draw(np.random.default_rng(0))
+    with pytest.raises(AttributeError, match="not initialized"):
+        Forgetful().record([0], 10)

@@ -75,6 +75,7 @@ LEARNING = ("ptl.learning.life", "ptl.methods.ptl", "ptl.files.results")
     [
         ("agent/_kernel.pyx", True),
         ("agent/_kernel.pxd", True),
+        ("agent/_selection.pyx", True),
         ("world/_graph.pyx", True),
         ("agent/skills.py", True),
         ("agent/subgoals.py", True),
