@@ -15,6 +15,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -575,7 +576,7 @@ def known_sizes(attributes: Mapping[str, Any]) -> dict[str, int]:
     sizes = {}
     try:
         if "map" in attributes:
-            sizes["n"] = GridWorld.from_text(attributes["map"], "map").n_states
+            sizes["n"] = _states_of(attributes["map"])
         if "parameters" in attributes:
             sizes["e"] = learning_parameters(attributes["parameters"]).learning.episodes
     except UserError as error:
@@ -585,7 +586,20 @@ def known_sizes(attributes: Mapping[str, Any]) -> dict[str, int]:
 
 def learning_parameters(parameters: Mapping[str, Any]) -> Parameters:
     """Return the groups of hyper-parameters that every method shares; methods may have more of their own."""
-    return Parameters.from_dict({name: parameters[name] for name in SHARED if name in parameters})
+    return _parameters_of(json.dumps({name: parameters[name] for name in SHARED if name in parameters}))
+
+
+# Files of a run share their maps and parameters, and making these takes a sixth of the time to read a file.
+
+
+@lru_cache(maxsize=8)
+def _states_of(text: str) -> int:
+    return GridWorld.from_text(text, "map").n_states
+
+
+@lru_cache(maxsize=8)
+def _parameters_of(groups: str) -> Parameters:
+    return Parameters.from_dict(json.loads(groups))
 
 
 SHARED = tuple(Parameters().to_dict())
