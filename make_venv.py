@@ -41,9 +41,9 @@ GENERATED = (".c", ".*.so")
 
 def main(wanted: list[str]) -> None:
     VENV.mkdir(exist_ok=True)
-    with LOCK.open("a") as lock:
+    with LOCK.open("a+") as lock:
         take(lock)
-        done = begun()
+        done = begun(lock)
         for stage in dict.fromkeys(["run-tools", *wanted]):
             digest = digest_of(stage)
             if done.get(stage) == digest and (stage != "built" or extensions_are_there()):
@@ -65,7 +65,11 @@ class Failed(Exception):
 
 
 def take(lock) -> None:
-    """Wait until no other call is at work on .venv; programs that it left behind hold the lock as well."""
+    """Wait until no other call is at work on .venv.
+
+    Programs that a killed one left behind hold the lock as well: it is their standard input, which whatever they start
+    inherits.
+    """
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -73,7 +77,7 @@ def take(lock) -> None:
         fcntl.flock(lock, fcntl.LOCK_EX)
 
 
-def begun() -> dict[str, str]:
+def begun(lock) -> dict[str, str]:
     """Return the digests of the stages that are done, in a .venv that is whole; make one if there is none."""
     try:
         stamp = json.loads(STAMP.read_text(encoding="utf-8"))
@@ -87,7 +91,7 @@ def begun() -> dict[str, str]:
     for path in VENV.iterdir():
         if path != LOCK:
             shutil.rmtree(path) if path.is_dir() and not path.is_symlink() else path.unlink()
-    made = subprocess.run([python, "-m", "venv", str(VENV)], capture_output=True, text=True, check=False)
+    made = subprocess.run([python, "-m", "venv", str(VENV)], stdin=lock, capture_output=True, text=True, check=False)
     if made.returncode:
         sys.exit(f"error: .venv could not be made (on Debian or Ubuntu: apt-get install python3-venv): {made.stdout}")
     write_stamp({})
@@ -152,8 +156,7 @@ def build(lock) -> None:
 
 def pip(arguments: list[str], lock, **streams) -> None:
     command = [str(PYTHON), "-m", "pip", "--disable-pip-version-check", "install", *arguments]
-    # A pip that outlives this program keeps the lock.
-    if subprocess.run(command, cwd=ROOT, pass_fds=[lock.fileno()], check=False, **streams).returncode:
+    if subprocess.run(command, cwd=ROOT, stdin=lock, check=False, **streams).returncode:
         raise Failed("the packages could not be installed; see the lines above")
 
 

@@ -74,7 +74,7 @@ def built(tmp_path_factory) -> Iterator[Checkout]:
     """A checkout whose first build is killed four times, and whose last ones are started twice at once."""
     checkout = Checkout(tmp_path_factory.mktemp("build") / "checkout")
     chance = random.Random(SEED)
-    hits = 0
+    hits, printed = 0, []
     for number, latest in enumerate((0.3, 2, 6, 15)):
         run = checkout.start()
         try:
@@ -82,8 +82,8 @@ def built(tmp_path_factory) -> Iterator[Checkout]:
         except subprocess.TimeoutExpired:
             os.killpg(run.pid, (signal.SIGKILL, signal.SIGINT)[number % 2])
             hits += 1
-        run.communicate()
-    assert hits >= 3
+        printed.append(run.communicate()[0])
+    assert hits >= 3, printed
     checkout.hits = hits
     first = checkout.start()
     time.sleep(1)
@@ -99,6 +99,22 @@ def test_a_build_that_was_killed_or_doubled_is_mended_by_the_next(built, record_
     assert built.ptl("--version").stdout.startswith("ptl, version")
     assert built.origin() == str(built.folder)
     assert built.build() == ""
+
+
+def test_a_build_waits_for_what_a_killed_one_left_behind(tmp_path):
+    checkout = Checkout(tmp_path / "checkout")
+    run = checkout.start()
+    children = Path(f"/proc/{run.pid}/task/{run.pid}/children")
+    while not (checkout.folder / ".venv/pyvenv.cfg").exists():
+        assert run.poll() is None
+        time.sleep(0.01)
+    [program] = children.read_text().split()  # make_venv.py, which goes without what it has started
+    os.kill(int(program), signal.SIGKILL)
+    run.communicate()
+    following = checkout.start()
+    assert following.stdout is not None and "waiting for another" in following.stdout.readline()
+    os.killpg(following.pid, signal.SIGKILL)
+    following.communicate()
 
 
 def test_a_copy_never_runs_the_code_of_the_original(built, tmp_path, record_property):
