@@ -36,7 +36,7 @@ def read_arrays(path: str | Path, kind: str) -> tuple[dict[str, np.ndarray], dic
     Raises
     ------
     UserError
-        If the file is missing, damaged, of another kind does not fit the declaration of its kind, or is impossible.
+        If the file is missing, damaged or of another kind, does not fit the declaration of its kind, or is impossible.
     """
     root = read_whole(path, kind)
     assert isinstance(root, Node)  # kinds of plain arrays have no view of their own
