@@ -35,9 +35,11 @@ _PLACES = {
     "SkillLibrary": "ptl.agent.skills",
     "SkillSelection": "ptl.agent._selection",
     "greedy_policy": "ptl.agent.policies",
-    "open_learning": "ptl.files.results",
-    "write_learning": "ptl.files.results",
-    "measure_files": "ptl.study.measures",
+    "Learn": "ptl.jobs.learn",
+    "read": "ptl.files.store",
+    "tasks_in": "ptl.jobs.learn",
+    "skills_of": "ptl.jobs.learn",
+    "measure": "ptl.measures.measures",
     "UserError": "ptl.errors",
 }
 

@@ -249,12 +249,6 @@ class SubgoalFrequencies(Group, frozen=True, kw_only=True):
     ] = 8
 
 
-class Robustness(Group, frozen=True, kw_only=True):
-    """The robustness study, run by `snakemake robustness`."""
-
-    study: Annotated[str, key("File with the settings of the study.", **PATH)] = "config/robustness.yaml"
-
-
 class Configuration(Parameters, frozen=True, kw_only=True):
     """The configuration of a run."""
 
@@ -296,7 +290,6 @@ class Configuration(Parameters, frozen=True, kw_only=True):
     decision: Decision = Decision()
     growth: Growth = Growth()
     subgoal_frequencies: SubgoalFrequencies = SubgoalFrequencies()
-    robustness: Robustness = Robustness()
 
     @property
     def article(self) -> bool:

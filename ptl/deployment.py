@@ -18,12 +18,12 @@ from ptl.files.configuration import read_yaml
 from ptl.files.outside import local_sources
 from ptl.keys import repeated
 from ptl.learning.method_check import check_method
+from ptl.measures.measures import BASE
 from ptl.methods import beyond
-from ptl.study.measures import BASE
-from ptl.study.population.collect import foreign_lives
-from ptl.study.population.design import Study as Population
 from ptl.world.gridworld import GridWorld, load_map
-from ptl.world.population import MAPS, POPULATION, SIZE
+from studies.beyond.collect import foreign_lives
+from studies.beyond.design import Study as Population
+from studies.beyond.population import MAPS, POPULATION, SIZE
 
 PACKAGE = Path(__file__).parent
 
@@ -198,7 +198,7 @@ def new_population_study(
     maps, seeds, episodes : int, optional
         Maps of each family, lives on each, episodes of a task; by default as in the published study.
     chosen : sequence of str
-        Methods to run, those of `ptl.methods.beyond` among them; files are copied into the folder.
+        Methods to run, those of `studies.beyond.methods` among them; files are copied into the folder.
     lives : sequence of paths
         Tables of lives of other methods (columns of ``per_life.csv``), copied into the folder.
 

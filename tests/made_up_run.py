@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 from projects import FIRST_MAPS
 
-from ptl.study.discoveries import Found
-from ptl.study.evidence import Evidence, settings_of
-from ptl.study.measures import Runs, measure
+from ptl.claims.evidence import Evidence, settings_of
+from ptl.learning.discoveries import Found
+from ptl.measures.measures import Runs, measure
 from ptl.world.gridworld import load_map
 
 ENVIRONMENTS, TASKS = ("env1", "env2", "env3"), "ABCDEF"

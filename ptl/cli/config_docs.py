@@ -63,7 +63,7 @@ def tables() -> str:
     """Return tables of all keys of the configuration and of the robustness study's file, in Markdown."""
     from ptl.config import Configuration
     from ptl.keys import keys_of
-    from ptl.study.robustness.design import Study
+    from studies.robustness.design import Study
 
     return "\n".join(
         [*_sections(Configuration), _section("The file of the robustness study", Study, list(keys_of(Study)))]

@@ -8,69 +8,59 @@ from typing import TYPE_CHECKING
 import click
 
 if TYPE_CHECKING:
-    from ptl.files.hdf5 import Node
-    from ptl.files.results import LearningFile, ResultFile
+    from ptl.files.store import Result
     from ptl.world.gridworld import GridWorld
 
 
 @click.command()
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 def command(files: tuple[Path, ...]) -> None:
-    """Print the origin of each of the FILES, a summary of its content, and its map with the subgoals as 1, 2, 3 ..."""
+    """Print the job of each of the FILES, a summary of its content, and its map with the subgoals as 1, 2, 3 ..."""
+    from ptl.jobs.kinds import register_studies
     from ptl.errors import printable
-    from ptl.files.results import LearningFile, ResultFile, read_whole
-    from ptl.files.schema import KINDS
+    from ptl.files.store import read
+    from ptl.jobs import Learn, Survey
+    from ptl.jobs.learn import skills_of
 
+    register_studies()
     for path in files:
-        result = read_whole(path)
-        content = result.file if isinstance(result, ResultFile) else result
-        kind = KINDS[content.attrs["format"]]
-        click.echo(printable(f"{path}  ({kind.format})"))
-        click.echo(f"  {kind.root.meaning}")
-        _show_origin(content)
-        click.echo("")
-        if not isinstance(result, ResultFile):
-            _show_arrays(content, "")
-            continue
-        if isinstance(result, LearningFile):
+        result = read(path)
+        click.echo(printable(f"{path}  ({result.job.kind})"))
+        _show_job(result)
+        if isinstance(result.job, Learn):
             _show_tasks(result)
-        elif "library_size" in result.file:
-            click.echo("  skills after each task: " + " ".join(map(str, result.file["library_size"][1:])))
-        else:
+        elif isinstance(result.job, Survey):
             _show_counts(result)
-        if result.library is not None:
-            click.echo(_picture(result.world, [skill.subgoal for skill in result.library]))
-
-
-def _show_origin(content: Node) -> None:
-    from ptl.errors import printable
-
-    for name, value in content.attrs.items():
-        if name in ("environment", "method", "seed", "trajectories", "root_seed", "code", "arm", "setting", "status"):
-            click.echo(printable(f"  {name:<12} {value}"))
-    versions = content.attrs["versions"]
-    click.echo(printable("  versions     " + ", ".join(f"{name} {version}" for name, version in versions.items())))
-    for group, values in content.attrs.get("parameters", {}).items():
-        listed = values if isinstance(values, dict) else {"": values}
-        click.echo(printable(f"  {group:<12} " + ", ".join(f"{name} {value}" for name, value in listed.items())))
-
-
-def _show_arrays(node: Node, where: str) -> None:
-    from ptl.files.hdf5 import Node
-
-    for name, item in node.items():
-        if isinstance(item, Node):
-            _show_arrays(item, f"{where}{name}/")
         else:
-            click.echo(f"  {where + name:<40} {' x '.join(map(str, item.shape)):>16}  {item.dtype}")
+            for name, values in result.arrays.items():
+                click.echo(f"  {name:<40} {' x '.join(map(str, values.shape)):>16}  {values.dtype}")
+        if (skills := skills_of(result.arrays)) is not None:
+            click.echo(_picture(result.world, [skill.subgoal for skill in skills]))
 
 
-def _show_tasks(result: LearningFile) -> None:
+def _show_job(result: Result) -> None:
+    import msgspec
+
     from ptl.errors import printable
+
+    values = msgspec.to_builtins(result.job)
+    parameters = values.pop("parameters")
+    values["versions"] = ", ".join(f"{name} {version}" for name, version in result.versions.items())
+    for group in parameters:
+        values[group] = ", ".join(f"{name} {value}" for name, value in parameters[group].items())
+    for name, value in values.items():
+        if name != "kind":
+            click.echo(printable(f"  {name:<12} {value}"))
+    click.echo("")
+
+
+def _show_tasks(result: Result) -> None:
+    from ptl.errors import printable
+    from ptl.jobs.learn import tasks_in
 
     click.echo("  task  shortest    first   last 10       total  truncated  subgoal (row, column)")
     world = result.world
-    for name, task in result.tasks.items():
+    for name, task in tasks_in(result).items():
         steps = task.steps
         subgoal = printable(task.reason)
         if task.subgoal >= 0:
@@ -84,11 +74,10 @@ def _show_tasks(result: LearningFile) -> None:
     click.echo("")
 
 
-def _show_counts(result: ResultFile) -> None:
+def _show_counts(result: Result) -> None:
     from ptl.text import number, percent
 
-    counts = result.file["counts"]
-    pairs = int(result.file["pairs"])
+    counts, pairs = result.arrays["counts"], int(result.arrays["pairs"])
     click.echo(f"  {number(pairs)} pairs of start and goal; most frequent subgoals (row, column):")
     for state in counts.argsort()[::-1][:10]:
         row, column = result.world.cells[state]

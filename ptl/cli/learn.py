@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import click
 
-from ptl.cli._arguments import SEED
+SEED = click.IntRange(0, 2**63 - 1)
 
 
 @click.command()
@@ -33,32 +33,43 @@ def command(
     """Learn a sequence of tasks and write Q-tables, steps, subgoals and the skill library."""
     from pathlib import Path
 
+    import msgspec
+
     from ptl import methods
     from ptl.cli._progress import shown
-    from ptl.config import Parameters, check_tasks
-    from ptl.files.outside import configured, learning_code, record, values_of
-    from ptl.files.results import write_learning
-    from ptl.learning.life import learn_life, tasks_of
-    from ptl.world.gridworld import load_map
+    from ptl.config import Name, Parameters, check_tasks
+    from ptl.errors import UserError
+    from ptl.files import store
+    from ptl.files.outside import configured, learning_code, values_of
+    from ptl.jobs.learn import Learn
+    from ptl.keys import allowed
+    from ptl.world.gridworld import load_map, map_digest
 
-    kind = configured(method, values_of(method_parameters))
-    chosen = Parameters.from_json(parameters)
+    own = values_of(method_parameters)
+    configured(method, own)
+    chosen = Parameters.from_json(parameters).to_dict()
     world = load_map(map_path)
     tasks = "".join(world.goals) if tasks is None else tasks
     check_tasks(tasks, world.goals)
-    name, environment = methods.identifier(method), environment or Path(map_path).stem
-    learned = shown(tasks_of(world, tasks), "Learning tasks")
-    with methods.blamed(method):
-        life = learn_life(world, learned, kind, chosen, root_seed, environment, seed)
-    origin = {
-        "environment": environment,
-        "method": name,
-        "seed": seed,
-        "root_seed": root_seed,
-        "parameters": chosen.to_dict() | record(method, kind),
-        "code": learning_code(method),
-    }
-    path = f"{environment}_{name}_{seed}.h5" if output is None else output
-    write_learning(path, life, world, origin)
+    environment = environment or Path(map_path).stem
+    try:
+        msgspec.convert(environment, Name)
+    except msgspec.ValidationError:
+        raise UserError(f"--environment: {environment!r} is not allowed; give {allowed(Name)}") from None
+    job = Learn(
+        root_seed=root_seed,
+        parameters={group: chosen[group] for group in Learn.READS},
+        maps={environment: map_digest(world.text)},
+        code=learning_code(method),
+        environment=environment,
+        tasks=tasks,
+        method=methods.identifier(method),
+        reference=method,
+        own=own,
+        seed=seed,
+    )
+    path = f"{environment}_{job.method}_{seed}.h5" if output is None else output
+    worlds = {environment: world}
+    store.write(path, job, job.run(worlds, lambda tasks: shown(tasks, "Learning tasks")), worlds)
     if output is None:
         click.echo(f"{path}: written; 'ptl inspect {path}' shows it")

@@ -35,7 +35,7 @@ def command(
 
     RUN is the name of a run or a metrics.csv; left out, the run of this folder, or the published one of several.
     """
-    from ptl.study.sample_size import FEWEST_FOR_INTERVAL
+    from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 
     path = _path_of(run)
     metrics = _estimates(path)
@@ -78,7 +78,7 @@ def _estimates(path: Path) -> pd.DataFrame:
     """Read a table of estimates, control characters in its names as escapes; refuse a table of something else."""
     from ptl.errors import UserError, printable
     from ptl.files.csv import read_csv
-    from ptl.study.tables import COUNT, Numbers
+    from ptl.files.tables import COUNT, Numbers
 
     number = Numbers(missing=True)
     numbers = {"mean": number, "ci_low": number, "ci_high": number, "n": COUNT, "seeds": Numbers(1, whole=True)}
@@ -114,7 +114,7 @@ def _only(frame: pd.DataFrame, column: str, wanted: tuple[str, ...], path: Path)
 
 def _columns(part: pd.DataFrame, *, explicit: bool) -> list[list[str]]:
     """Return the table column by column, each with its two headings first; the labels of rows come first."""
-    from ptl.study.measures import MEASURES
+    from ptl.measures.measures import MEASURES
 
     rows = part.set_index(["method", "metric"]).to_dict("index")
     methods = list(dict.fromkeys(part["method"]))

@@ -44,7 +44,7 @@ def command(
     from ptl.deployment import new_population_study, new_study
     from ptl.errors import UserError
     from ptl.files.atomic import write_text
-    from ptl.study.measures import BASE
+    from ptl.measures.measures import BASE
 
     for option, given, needed in (
         ("--population", population, not maps), ("--map", maps, not population),

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from ptl.world.population import BANDS, POPULATION
+from studies.beyond.population import BANDS, POPULATION
 
 
 @click.command()
@@ -19,7 +19,7 @@ from ptl.world.population import BANDS, POPULATION
 def command(path: str, folder: Path | None, band: str, size: int) -> None:
     """Write the table of maps to PATH (config/population.csv): size, shortest paths, winding and hash of each."""
     from ptl.files.atomic import write_text
-    from ptl.world.population import all_entries, load_entry, read_population, to_csv
+    from studies.beyond.population import all_entries, load_entry, read_population, to_csv
 
     if folder is None:
         write_text(path, to_csv(all_entries()))

@@ -1,17 +1,19 @@
-"""``ptl verify``: check integrity, location and invariants of the products of a run."""
+"""``ptl verify``: check the results and products of a run, or compare them with those of another run."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 if TYPE_CHECKING:
-    from ptl.files.question import Question
+    from ptl.files.job import Job
 
-LISTED = 5
-"""Unchecked files that are named."""
+MAX_LISTED = 5
+"""Maximum number of other files that are named."""
 
 
 @click.command()
@@ -26,106 +28,116 @@ LISTED = 5
     is_flag=True,
     help="With --against: exit status 0 even if they differ or there is nothing to compare with.",
 )
-@click.option("--any-code", is_flag=True, help="Accept files made by another version of the code.")
-def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_code: bool) -> None:
-    """Check HDF5 files, sealed tables and report folders with a manifest, or all of them below folders.
+@click.option("--any-code", is_flag=True, help="Accept results made by another version of the code.")
+@click.option("--remove", is_flag=True, help="Remove result files with faults, so that the next run makes them again.")
+def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_code: bool, remove: bool) -> None:
+    """Check result files (HDF5) and report folders with a manifest, or all of them below folders.
 
-    HDF5 files: checksum, content as declared, place, invariants, version of the code. Files that come with a checksum
-    (<file>.sha256): that. Results: also the configuration and maps of their run, in the copy of its manifest
-    (results/<run>/made.json), except with --any-code. Report folders: every product against the folder's
-    manifest.json. Files below folders that nothing is known about are counted as not checked.
+    Result files: checksum, arrays as declared, possible values, the job that made them and its code. In results/<run>/
+    of a finished run also that the job is one of that run. Report folders: every product against manifest.json.
 
-    With --against, say instead how the report folders PATHS compare with another run: which products are equal, equal
-    within a tolerance, or different, and which verdicts changed. 'published' stands for the published run, as git's
-    HEAD or the copy kept by 'make reproduce' has it.
+    With --against, compare the report folders PATHS with another run instead: which tables are equal, equal within a
+    tolerance, or different, and which verdicts changed. 'published' is the published run, as git's HEAD or the copy
+    kept by 'make reproduce' has it.
 
-    Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
+    Prints one line for each fault; exit status 1 if there is any.
     """
+    from ptl.jobs.kinds import register_studies
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
-    from ptl.files.comparison import NothingToCompareError, compare, reference
-    from ptl.files.manifest import MADE, MANIFEST, read
-    from ptl.files.question import asking
-    from ptl.files.verification import checkable, faults_of, made_beside, unchecked
+    from ptl.files.manifest import MANIFEST, damages
 
     if against is not None:
-        try:
-            found = [compare(folder, reference(against, folder)) for folder in paths]
-        except NothingToCompareError as error:
-            if not exit_zero:
-                raise
-            click.echo(str(error))
-            return
-        for comparison in found:
-            click.echo(str(comparison))
-        if not (exit_zero or all(comparison.agrees for comparison in found)):
-            raise UserError(f"the products or verdicts differ from those of {against}")
+        _compare(paths, against, exit_zero)
         return
-    files = list(dict.fromkeys(file for path in paths for file in checkable(path)))
+    register_studies()
+    files = list(dict.fromkeys(file for path in paths for file in _checkable(path)))
     if not files:
         raise UserError(f"{paths[0]}: nothing there that can be checked; name result files or folders of them")
-    faults: dict[str, None] = {}
-    runs: dict[Path | None, Question] = {None: {}}
-    alone = []
+    faults: list[str] = []
+    strangers: list[Path] = []
     for path in shown(files, "Verifying"):
-        made = None if any_code or path.suffix != ".h5" else made_beside(path)
-        if made is not None and made not in runs:
-            runs[made] = _question_of(made)
-        if path.suffix == ".h5" and not runs[made]:
-            alone.append(path)
-        with asking(runs[made]):
-            faults.update(dict.fromkeys(faults_of(path, current_code=not any_code)))
+        try:
+            if path.name == MANIFEST:
+                faults += damages(path.parent)
+            elif not _check_result(path, any_code):
+                strangers.append(path)
+        except UserError as error:
+            faults.append(str(error))
+            if remove and path.suffix == ".h5":
+                path.unlink(missing_ok=True)
     for fault in faults:
         click.echo(printable(fault))
+    if strangers:
+        listed = ", ".join(map(str, strangers[:MAX_LISTED])) + ", ..." * (len(strangers) > MAX_LISTED)
+        click.echo(f"left from another configuration, may be removed: {len(strangers)} files ({printable(listed)})")
     if faults:
-        raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked")
-    click.echo(f"{len(files)} files are whole, in place and consistent")
-    for path in files:
-        if path.name == MANIFEST:
-            click.echo(printable(f"{len(read(path)['products'])} products are those of {path}"))
-    left = list(dict.fromkeys(file for path in paths for file in unchecked(path, files)))
-    if alone:
-        click.echo(printable(f"not held against the configuration of a run ({MADE}): {_named(alone)}"))
-    if left:
-        click.echo(printable(f"not checked, because no checksum is kept of them: {_named(left)}"))
+        raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked{'; removed' * remove}")
+    click.echo(f"{len(files)} files are whole and consistent")
 
 
-def _named(files: list[Path]) -> str:
-    more = ", ..." if len(files) > LISTED else ""
-    return f"{len(files)} files ({', '.join(map(str, files[:LISTED]))}{more})"
-
-
-def _question_of(made: Path) -> Question:
-    """Return what the results of a run must have been made from, by the copy of its manifest.
-
-    Empty if methods are named by import paths: nothing that a file names is imported.
-    """
-    from ptl.config import Configuration
+def _check_result(path: Path, any_code: bool) -> bool:
+    """Refuse a result file with a fault; return whether it belongs to the run of its folder, if there is one."""
     from ptl.errors import UserError
-    from ptl.files.manifest import read
-    from ptl.files.question import SIDE_MAPS, asked_jobs, question_of
-    from ptl.files.schema import SETTING
-    from ptl.keys import ConfigurationError
-    from ptl.study.decision import decision_jobs
-    from ptl.study.population import design
-    from ptl.study.robustness import design as robustness
+    from ptl.files.store import AGAIN, read, read_arrays
 
-    manifest = read(made)
-    config, maps = manifest["config"], manifest.get("maps", {})
-    if any(":" in str(name) for name in config.get("methods", ())):
-        return {}
+    if "job" not in read_arrays(path)[1]:
+        return True
+    planned = _planned_for(path.absolute())
+    wanted = None
+    if planned is not None:
+        folder, jobs = planned
+        wanted = jobs.get(path.absolute().relative_to(folder).as_posix())
+    job = read(path, None if any_code else wanted).job
+    top = job.place.split("/")[0]
+    if top in path.absolute().parts and not path.absolute().as_posix().endswith(f"/{job.place}"):
+        raise UserError(f"{path}: is the file {job.place} of a run; {AGAIN}")
+    if not any_code and job.sources() not in {None, job.code}:
+        raise UserError(f"{path}: was made with another version of the code; {AGAIN}")
+    return planned is None or wanted is not None
+
+
+def _planned_for(path: Path) -> tuple[Path, Mapping[str, Job]] | None:
+    """Return the folder of a finished run that a file is in, and the run's jobs by place."""
+    return next((found for folder in path.parents if (found := _planned(folder))), None)
+
+
+@cache
+def _planned(folder: Path) -> tuple[Path, Mapping[str, Job]] | None:
+    from ptl.files.aging import jobs_of_run
+    from ptl.jobs.kinds import unpacked
+
+    text = jobs_of_run(folder)
+    return (folder, {job.place: job for job in unpacked(text)}) if text else None
+
+
+def _checkable(path: Path) -> Iterator[Path]:
+    from ptl.errors import UserError
+    from ptl.files import regular
+    from ptl.files.atomic import UNFINISHED
+    from ptl.files.manifest import MANIFEST
+
+    if path.is_dir():
+        found = (file for file in regular.below(path) if file.suffix == ".h5" or file.name == MANIFEST)
+        yield from sorted(file for file in found if not file.name.startswith(UNFINISHED))
+    elif path.suffix == ".h5" or path.name == MANIFEST or not path.exists():
+        yield path
+    else:
+        raise UserError(f"{path}: is checked through the manifest of its folder; name the folder, or an .h5 file")
+
+
+def _compare(paths: tuple[Path, ...], against: str, exit_zero: bool) -> None:
+    from ptl.errors import UserError
+    from ptl.files.comparison import NothingToCompareError, compare, reference
+
     try:
-        if "population" in config:
-            return design.question_of(design.Study.from_dict(config), maps)
-        settings = config.pop("study", None)
-        run = Configuration.from_dict(config)
-        own = {name: maps[name] for name in run.environments}
-        if settings is not None:
-            jobs = robustness.jobs_of(robustness.Study.from_dict(settings), run.to_dict())
-            return asked_jobs(SETTING, jobs, maps=own)
-        question = question_of(run.to_dict(), {**own, **{name: maps[name] for name in SIDE_MAPS if run.article}})
-        return {**question, **(asked_jobs(SETTING, decision_jobs(run.to_dict()), maps=own) if run.article else {})}
-    except KeyError as error:
-        raise UserError(f"{made}: names no map of {error.args[0]}; remove it and run the workflow again") from error
-    except ConfigurationError as error:
-        raise UserError(f"{made}: cannot be a run's ({error}); remove it and run the workflow again") from error
+        found = [compare(folder, reference(against, folder)) for folder in paths]
+    except NothingToCompareError as error:
+        if not exit_zero:
+            raise
+        click.echo(str(error))
+        return
+    for comparison in found:
+        click.echo(str(comparison))
+    if not (exit_zero or all(comparison.agrees for comparison in found)):
+        raise UserError(f"the products or verdicts differ from those of {against}")

@@ -16,7 +16,9 @@ from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
 from ptl.files.outside import configured
 from ptl.files.regular import NotReadable, read_bytes
-from ptl.files.remedies import MOST_BYTES
+
+MAX_BYTES = 2**20
+"""Maximum size of a configuration file."""
 from ptl.keys import ConfigurationError, Group
 from ptl.learning.method_check import check_method
 from ptl.world.gridworld import load_map
@@ -134,7 +136,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         nested too deep.
     """
     try:
-        text = read_bytes(path, MOST_BYTES).decode("utf-8")
+        text = read_bytes(path, MAX_BYTES).decode("utf-8")
         _refuse_bombs(text, path)
         root = yaml.compose(text, Loader=yaml.SafeLoader)
         if not isinstance(root, yaml.MappingNode):

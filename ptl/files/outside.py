@@ -1,4 +1,4 @@
-"""Methods as a run's configuration names them: parameters of their own, digests of their sources, and their records."""
+"""Methods as a run's configuration names them: parameters of their own, and digests of their sources."""
 
 from __future__ import annotations
 
@@ -14,12 +14,9 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import code_digest, imports_of
+from ptl.files.provenance import LEARNING, code_digest, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
-
-RECORD = "method"
-"""Key under which a learning file's ``parameters`` say where a method from elsewhere comes from."""
 
 
 def configured(reference: str, values: Mapping[str, Any]) -> type[BaseMethod]:
@@ -66,12 +63,9 @@ def values_of(text: str) -> dict[str, Any]:
         ) from None
 
 
-def record(reference: str, kind: type[BaseMethod]) -> dict[str, Any]:
-    """Return what a learning file's ``parameters`` say on a method from elsewhere; nothing on a built-in one."""
-    own = getattr(kind, "own", None)
-    if reference in methods.names():
-        return {}
-    return {RECORD: {"reference": reference, "parameters": own.to_dict() if isinstance(own, Group) else {}}}
+def sources_of(*modules: str) -> str:
+    """Return a digest of the sources in the rooms of learning that modules depend on."""
+    return code_digest(*modules, within=LEARNING)
 
 
 def learning_code(reference: str, *modules: str) -> str:
@@ -86,9 +80,9 @@ def learning_code(reference: str, *modules: str) -> str:
     """
     modules = ("ptl.learning.life", *modules)
     if reference in methods.names():
-        return code_digest(*modules, f"ptl.methods.{reference}")
-    if not reference.endswith(".py") and (module := methods.load(reference).__module__).split(".")[0] == "ptl":
-        return code_digest(*modules, module)
+        return sources_of(*modules, f"ptl.methods.{reference}")
+    if not reference.endswith(".py") and (module := reference.partition(":")[0]).startswith(LEARNING):
+        return sources_of(*modules, module)
     digest = hashlib.sha256()
     shared = set(modules)
     root, paths = local_sources(reference)
@@ -96,7 +90,7 @@ def learning_code(reference: str, *modules: str) -> str:
         source = path.read_bytes()
         digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
         shared |= imports_of(source.decode("utf-8", "replace"))
-    digest.update(code_digest(*sorted(shared)).encode())
+    digest.update(sources_of(*sorted(shared)).encode())
     return digest.hexdigest()[:16]
 
 

@@ -16,15 +16,21 @@ from ptl.errors import UserError
 from ptl.extensions import EXTENSIONS
 
 PACKAGE = Path(__file__).parent.parent
+ROOT = PACKAGE.parent
+LEARNING = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning", "studies")
+"""Rooms whose sources decide what is learned; the others write, check, measure or word it."""
+
 FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.page": "report/explorer/web"}
 """Folders whose files a module reads; they count as its sources."""
 
-IMPORT = re.compile(r"^[ \t]*(?:from (ptl(?:\.\w+)*) import (\([^)]*\)|.*)|import (ptl(?:\.\w+)*))", re.MULTILINE)
+IMPORT = re.compile(
+    r"^[ \t]*(?:from ((?:ptl|studies)(?:\.\w+)*) import (\([^)]*\)|.*)|import ((?:ptl|studies)(?:\.\w+)*))", re.MULTILINE
+)
 """Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
 
 
 @cache
-def code_digest(*modules: str) -> str:
+def code_digest(*modules: str, within: tuple[str, ...] = ()) -> str:
     """Return the sha256 (first 16 hex digits) of the sources of modules and of all that they import from this package.
 
     Sources are read once in a process.
@@ -33,25 +39,23 @@ def code_digest(*modules: str) -> str:
     ----------
     modules : str
         Names such as ``"ptl.methods.ptl"``.
+    within : tuple of str
+        Packages that count, all if empty.
     """
-    closure: set[Path] = set()
-    for module in modules:
-        closure |= _closure(module)
     digest = hashlib.sha256()
-    for path in sorted(closure):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for path in sorted(_closure(modules, within)):
+        digest.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:16]
 
 
-def _closure(module: str) -> set[Path]:
+def _closure(modules: tuple[str, ...], within: tuple[str, ...]) -> set[Path]:
     found: set[Path] = set()
-    waiting = [module]
-    seen = {module}
+    waiting = [name for name in modules if not within or name.startswith(within)]
+    seen = {*waiting}
     while waiting:
-        name = waiting.pop()
-        sources, imported = _sources_and_imports(name)
+        sources, imported = _sources_and_imports(waiting.pop())
         found.update(sources)
-        new = imported - seen
+        new = {name for name in imported - seen if not within or name.startswith(within)}
         seen |= new
         waiting.extend(new)
     return found
@@ -61,7 +65,7 @@ def _closure(module: str) -> set[Path]:
 def _sources_and_imports(module: str) -> tuple[tuple[Path, ...], frozenset[str]]:
     if module in EXTENSIONS:
         return tuple(PACKAGE / name for name in EXTENSIONS[module]), frozenset()
-    path = PACKAGE.joinpath(*module.split(".")[1:])
+    path = ROOT.joinpath(*module.split("."))
     # An installed package has a folder config/ of the workflow beside config.py.
     path = path.with_suffix(".py") if path.with_suffix(".py").is_file() else path / "__init__.py"
     imported = imports_of(path.read_text(encoding="utf-8"))
@@ -83,7 +87,7 @@ def imports_of(source: str) -> set[str]:
 
 
 def _is_module(name: str) -> bool:
-    path = PACKAGE.joinpath(*name.split(".")[1:])
+    path = ROOT.joinpath(*name.split("."))
     return name in EXTENSIONS or path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()
 
 

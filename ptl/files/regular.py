@@ -11,7 +11,7 @@ from pathlib import Path
 from ptl.errors import UserError
 
 BLOCK = 2**20
-MOST_BYTES = 2**31
+MAX_BYTES = 2**31
 """Most bytes of a file that is read whole."""
 
 

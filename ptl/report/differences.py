@@ -1,13 +1,13 @@
-"""The article's statements beside the run's numbers, from the ledger and the robustness study."""
+"""The article's statements beside the run's numbers, from the ledger."""
 
 from __future__ import annotations
 
 import pandas as pd
 
+from ptl.claims.verdict import Outcome
 from ptl.report.ledger import FITTED
 from ptl.report.table import Table, text_table
-from ptl.study.claims.verdict import Outcome
-from ptl.text import MISSING, estimate, percent
+from ptl.text import estimate
 
 SHOWN = 6
 """Comparisons that are written out of one claim; those that do not hold come first."""
@@ -15,7 +15,7 @@ SHOWN = 6
 ORDER = [str(outcome) for outcome in (Outcome.FAILS, Outcome.AT_BOUND, Outcome.OPEN, Outcome.HOLDS)]
 
 
-def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.DataFrame | None = None) -> Table:
+def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
     """Lay out what the article says, what the run gives, and the verdicts, for every claim.
 
     Parameters
@@ -24,10 +24,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         Ledger: columns id, claim, verdict, verdict_30, verdict_plain, evidence.
     parts : DataFrame
         Parts of the ledger: columns id, part, estimate, low, high, unit, demand, outcome.
-    shares : DataFrame, optional
-        Robustness study: columns claim, one_at_a_time_reproduced, latin_hypercube_reproduced, hangs_on.
     """
-    study = {} if shares is None else shares.set_index("claim").to_dict("index")
     rows = []
     for claim in claims.to_dict("records"):
         own = parts[parts["id"] == claim["id"]].assign(order=lambda frame: frame["outcome"].map(ORDER.index))
@@ -37,7 +34,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         if claim["verdict_plain"]:
             verdict += f"\n(plain reading: {claim['verdict_plain']})"
         rows.append(
-            (claim["id"], claim["claim"], numbers, verdict, claim["verdict_30"], *_robustness(study, claim["id"]))
+            (claim["id"], claim["claim"], numbers, verdict, claim["verdict_30"])
         )
     headings = (
         "claim",
@@ -45,8 +42,6 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         "this run gives",
         "verdict",
         "on the tables' seeds",
-        "reproduced in",
-        "most affected by",
     )
     return text_table(
         "The article and this run",
@@ -57,22 +52,9 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, shares: pd.Data
         [
             "The article's tables and figures are lost, so only statements of its running text can be compared.",
             FITTED,
-            "Reproduced in: share of the settings of the robustness study, with one unknown moved and with all moved at"
-            " once; most affected by: the unknown that moves the claim most there. With few seeds a setting many parts"
-            " stay open.",
         ],
         headings[1:],
     )
-
-
-def _robustness(study: dict, claim: str) -> tuple[str, str]:
-    if claim not in study:
-        return MISSING, MISSING
-    row = study[claim]
-    shares = (row["one_at_a_time_reproduced"], row["latin_hypercube_reproduced"])
-    hangs_on = row["hangs_on"]
-    shown = " / ".join(MISSING if pd.isna(share) else percent(round(share, 2)) for share in shares)
-    return shown, hangs_on if isinstance(hangs_on, str) and hangs_on else MISSING
 
 
 def _part_text(part: dict) -> str:

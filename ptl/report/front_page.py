@@ -7,11 +7,11 @@ from typing import Any
 
 import pandas as pd
 
+from ptl.claims.verdict import Verdict
+from ptl.measures.measures import BASE
+from ptl.measures.sample_size import note
 from ptl.report.ledger import CLASSES, FITTED
 from ptl.report.templating import render
-from ptl.study.claims.verdict import Verdict
-from ptl.study.measures import BASE
-from ptl.study.sample_size import note
 from ptl.text import estimate
 
 

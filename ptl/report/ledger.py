@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ptl.claims.claim import Judgement
+from ptl.claims.evidence import SEEDS_NEEDED
+from ptl.claims.thresholds import MEANINGS
+from ptl.claims.verdict import RESOLUTION, Outcome, Part, Verdict
 from ptl.report.templating import render
-from ptl.study.claims.claim import Judgement
-from ptl.study.claims.thresholds import MEANINGS
-from ptl.study.claims.verdict import RESOLUTION, Outcome, Part, Verdict
-from ptl.study.evidence import SEEDS_NEEDED
 from ptl.text import number, percent
 
 COLUMNS = (

@@ -16,11 +16,11 @@ from typing import Any
 import pandas as pd
 
 from ptl.errors import UserError
+from ptl.measures.measures import BASE, MEASURES
+from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 from ptl.report import table
 from ptl.report.table import Cell, Group, Row, Table
 from ptl.report.table_kinds import KINDS, table_title
-from ptl.study.measures import BASE, MEASURES
-from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.text import MISSING, interval, number, percent
 
 NOT_REACHED = "not reached"
@@ -102,7 +102,7 @@ def build_tables(
     Parameters
     ----------
     metrics : DataFrame
-        As `ptl.study.statistics.summarise` makes it.
+        As `ptl.measures.statistics.summarise` makes it.
     measures, statistics : groups of the configuration
         For the notes: window and threshold factor, confidence and resamples.
     methods : mapping

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from ptl.claims.verdict import Verdict
 from ptl.files.csv import read_csv
-from ptl.study.claims.verdict import Verdict
 from ptl.text import estimate, number, percent
 
 TASK = "F"

@@ -22,7 +22,7 @@ from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.keys import Key, keys_of
-from ptl.study.robustness.design import ONE_AT_A_TIME, REFERENCE, Setting, Study, job_of, read_study
+from studies.robustness.design import ONE_AT_A_TIME, REFERENCE, Setting, Study, job_of, read_study
 
 PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 STUDY = yaml.safe_load((ROOT / "config/robustness.yaml").read_text())

@@ -101,7 +101,7 @@ def test_only_what_learning_uses_changes_its_digest(package, edited, learning_ch
     ("edited", "depends", "apart"),
     [
         ("report/figures/maps.py", "ptl.report.figures.maps", "ptl.report.figures.growth"),
-        ("report/templates/table.html", "ptl.report.metric_tables", "ptl.study.statistics"),
+        ("report/templates/table.html", "ptl.report.metric_tables", "ptl.measures.statistics"),
     ],
 )
 def test_a_product_depends_on_its_own_files(package, edited, depends, apart):

@@ -42,19 +42,19 @@ from ptl.files.schema import (
 from ptl.files.schema_docs import filled
 from ptl.files.verification import faults_of
 from ptl.learning.growth import grow_library
+from ptl.learning.lives import learn_lives
 from ptl.learning.survey import subgoal_frequencies
+from ptl.measures.growth import library_sizes
+from ptl.measures.measures import measure_files
 from ptl.report.explorer.data import collect
 from ptl.report.figures import discovery, frequencies
 from ptl.report.figures.steps import open_steps
-from ptl.study.fit import read_by
-from ptl.study.growth import library_sizes
-from ptl.study.lives import learn_lives
-from ptl.study.measures import measure_files
-from ptl.study.policy_reuse_experiment import read_gains
-from ptl.study.population.collect import per_task
-from ptl.study.population.running import Cell, run_cell
-from ptl.study.robustness.running import run_setting
-from ptl.study.robustness.verdicts import load_setting
+from studies.beyond.collect import per_task
+from studies.beyond.running import Cell, run_cell
+from studies.fit.search import read_by
+from studies.fv_check.experiment import read_gains
+from studies.robustness.running import run_setting
+from studies.robustness.verdicts import load_setting
 
 Change = Callable[[h5py.File], None]
 

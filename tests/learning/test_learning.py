@@ -10,8 +10,8 @@ from ptl.config import Parameters
 from ptl.errors import UserError
 from ptl.learning import growth
 from ptl.learning.life import Life, Task, learn_life, tasks_of
+from ptl.world.drawing import ROOM_SIZE
 from ptl.world.gridworld import GridWorld
-from ptl.world.variants import ROOM_SIZE
 
 ROOMS = GridWorld.from_text(
     "###############\n#I...#...#...A#\n#.............#\n#....#...#....#\n#..B.#.C.#....#\n###############\n", "rooms"

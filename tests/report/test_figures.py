@@ -21,10 +21,9 @@ from ptl.files.arrays import write_arrays
 from ptl.files.results import open_learning, write_frequencies, write_learning
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.survey import subgoal_frequencies
+from ptl.measures.growth import TwoSlopes
 from ptl.report.figures import cells, figures, left_out, style
 from ptl.report.figures.measures import trailing_mean
-from ptl.report.job import Job
-from ptl.study.growth import TwoSlopes
 from ptl.world.gridworld import GridWorld
 
 MAP = """\

@@ -9,9 +9,9 @@ from html.parser import HTMLParser
 import pytest
 from made_up_run import GROUPS, UNKNOWN, MadeUpRun
 
+from ptl import claims
+from ptl.claims.verdict import Verdict
 from ptl.report import ledger
-from ptl.study import claims
-from ptl.study.claims.verdict import Verdict
 
 
 def judge(evidence):

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 from test_table import HOSTILE, read
 
+from ptl.claims.claim import Claim, Judgement
+from ptl.claims.verdict import Outcome, Part, Verdict
+from ptl.measures.statistics import Estimate
 from ptl.report import ledger
-from ptl.study.claims.claim import Claim, Judgement
-from ptl.study.claims.verdict import Outcome, Part, Verdict
-from ptl.study.statistics import Estimate
 
 RUN = ledger.run_text(30, 30, SimpleNamespace(confidence=0.95, resamples=2000))
 

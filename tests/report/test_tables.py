@@ -12,11 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ptl.errors import UserError
+from ptl.measures.measures import MEASURES
+from ptl.measures.statistics import Resampling, summarise
 from ptl.report.metric_tables import COLUMNS, Column, best_methods, build_tables, write_tables
 from ptl.report.table import Cell, Table, to_html, to_latex, to_markdown
 from ptl.report.table_kinds import KINDS, table_labels
-from ptl.study.measures import MEASURES
-from ptl.study.statistics import Resampling, summarise
 from ptl.text import number
 
 METHODS = {

@@ -142,8 +142,8 @@ def test_a_measure_is_in_the_robustness_study(grown: Project):
 import json, sys
 from types import SimpleNamespace
 from ptl.config import Parameters, Measures, Statistics, Growth
-from ptl.study.robustness.running import run_setting
-from ptl.study.robustness.verdicts import load_setting
+from studies.robustness.running import run_setting
+from studies.robustness.verdicts import load_setting
 job = {"setting": "s", "group": "reference", "changes": {}, "methods": ["no_transfer", "ptl"], "seeds": 2,
        "environments": {"rooms": {"map": "rooms.txt", "tasks": "AB", "changes": {}}}, "root_seed": 1,
        "parameters": Parameters().replace(learning__episodes=12).to_dict(), "step_budget": 10**9,

@@ -26,8 +26,8 @@ JOBS = {
 SCRIPT = """
 from ptl.files.csv import write_csv
 from ptl.report.figures import style
-from ptl.study.growth import library_sizes
-from ptl.study.measures import measure_files, write_steps
+from ptl.measures.growth import library_sizes
+from ptl.measures.measures import measure_files, write_steps
 
 found = measure_files(["learned.h5"], 5, 1.5)
 write_csv(found.per_seed, "per_seed.csv")

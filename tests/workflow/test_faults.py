@@ -26,9 +26,9 @@ from ptl.errors import UserError
 from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
 from ptl.files.remedies import rebuild_command
 from ptl.files.verification import OneRun, checkable, faults_of
-from ptl.study.growth import library_sizes
-from ptl.study.measures import measure_files
-from ptl.study.statistics import read_per_seed
+from ptl.measures.growth import library_sizes
+from ptl.measures.measures import measure_files
+from ptl.measures.statistics import read_per_seed
 
 
 @pytest.fixture(scope="module")

@@ -1,16 +1,10 @@
 # The verdict on every claim of the article: from the runs of the tables, and from many more that decide it.
 
-from ptl.files.question import asked_jobs
-from ptl.files.schema import SETTING
-from ptl.study.decision import decision_jobs
-
-DECISIONS = decision_jobs(config)
-
 
 rule decide:
     input:
         maps=lambda wildcards: [
-            entry["map"] for entry in DECISIONS[wildcards.job]["environments"].values()
+            MAPS[name] for name in DECISION[f"decision/{wildcards.job}.h5"].maps
         ],
     output:
         "<results>/decision/{job}.h5",
@@ -23,19 +17,12 @@ rule decide:
     conda:
         "../envs/ptl.yaml"
     params:
-        job=lambda wildcards: json.dumps(DECISIONS[wildcards.job], sort_keys=True),
-        maps=lambda wildcards: map_digests(DECISIONS[wildcards.job]["environments"]),
-        code=lambda wildcards: code_digest(
-            "ptl.study.robustness.running",
-            *[
-                f"ptl.methods.{method}"
-                for method in DECISIONS[wildcards.job]["methods"]
-            ],
-        ),
+        job=job_of,
+        maps=maps_of,
     message:
         "Learning {wildcards.job} with the seeds that decide the claims"
     shell:
-        "ptl robustness --job {params.job:q} --output {output:q} 2> {log:q}"
+        "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
 
 
 rule judge_claims:
@@ -46,7 +33,7 @@ rule judge_claims:
         growth=rules.collect_growth.output,
         selection_cost=rules.library_cost.output.selection,
         library_bytes=rules.library_cost.output.storage,
-        decision=expand("<results>/decision/{job}.h5", job=DECISIONS),
+        decision=files_of(DECISION),
         maps=[entry["map"] for entry in entries().values()],
     output:
         csv="<reports>/claims.csv",
@@ -64,9 +51,10 @@ rule judge_claims:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth", "decision"),
-        asked=asked_jobs(SETTING, DECISIONS, maps=map_digests()),
+        jobs=packed(DECISION.values()),
+        maps=map_digests(),
         environments=entries(),
-        code=code_digest("ptl.study.decision", "ptl.report.ledger"),
+        code=code_digest("ptl.claims.decision", "ptl.report.ledger"),
     message:
         "Judging the claims of the article"
     script:
@@ -92,7 +80,6 @@ rule explain_differences:
     conda:
         "../envs/ptl.yaml"
     params:
-        shares=shares_of_study(),
         code=code_digest("ptl.report.differences"),
     message:
         "Comparing the run with the article's statements"

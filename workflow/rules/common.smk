@@ -1,4 +1,4 @@
-# Names, checks and parameters that all rules share.
+# Names, checks and parameters that all rules share: the configuration, the maps, and every job by the place of its file.
 
 import json
 import os
@@ -7,17 +7,18 @@ import sys
 from pathlib import Path
 
 from ptl import methods
+from ptl.claims.decision import decision_jobs
 from ptl.errors import UserError
+from ptl.files import aging
 from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
-from ptl.files.outside import learning_code
+from ptl.files.job import packed
 from ptl.files.provenance import check_build, code_digest
-from ptl.files.question import SIDE_MAPS, about, digest_of, question_of
-from ptl.files.records import codes_of
 from ptl.files.regular import below, refuse_other, sha256
+from ptl.jobs import planned
+from ptl.measures.cost import FLAG, check_cost, cost_of
 from ptl.report.figures import left_out
-from ptl.report.snakemake_report import keep_checksum, keep_texts
-from ptl.study.cost import FLAG, check_cost, cost_of
+from ptl.report.snakemake_report import keep_texts
 from ptl.world.gridworld import load_map, map_digest
 
 
@@ -32,22 +33,32 @@ try:
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
-    CONFIGURATION = completed(config)
-    config.update(CONFIGURATION.to_dict())
+    RUN = completed(config)
+    config.update(RUN.to_dict())
     MAPS = {name: entry["map"] for name, entry in config["environments"].items()}
-    MAPS.update(SIDE_MAPS if CONFIGURATION.article else {})
+    if RUN.article:
+        MAPS[planned.MISLEADING] = planned.MISLEADING_ENTRY.map
     WORLDS = {name: load_map(path) for name, path in MAPS.items()}
     DIGESTS = {name: map_digest(world.text) for name, world in WORLDS.items()}
-    COST = cost_of(CONFIGURATION, WORLDS)
+    COST = cost_of(RUN, WORLDS)
     check_cost(COST, allowed=bool(os.environ.get(FLAG)))
     if workflow.is_main_process:
         refuse_other(*below(Path("logs", config["run"])))
+    LEARNING = planned.learning_jobs(RUN, DIGESTS)
+    MISLEADING = planned.misleading_jobs(RUN, DIGESTS)
+    GROWTH = planned.growth_jobs(RUN, DIGESTS)
+    SURVEYS = planned.survey_jobs(RUN, DIGESTS)
+    BATCHES = {
+        part.place: part
+        for survey in SURVEYS.values()
+        for part in survey.parts(RUN.subgoal_frequencies.batches)
+    }
+    DECISION = decision_jobs(RUN, DIGESTS) if RUN.article else {}
 except UserError as error:
     refuse(error)
 
 if any(argument.startswith("--report") for argument in sys.argv):
     keep_texts()
-    keep_checksum(refuse)
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.
@@ -56,26 +67,24 @@ shell.prefix(
     f'ptl() {{{{ {shlex.quote(sys.executable)} -m ptl "$@"; }}}}; '
 )
 
+JOBS = {**LEARNING, **MISLEADING, **GROWTH, **SURVEYS, **BATCHES, **DECISION}
 ENVIRONMENTS = list(config["environments"])
 REFERENCES = methods.by_identifier(config["methods"])
 METHODS = list(REFERENCES)
-CODES = {name: learning_code(reference) for name, reference in REFERENCES.items()}
-QUESTION = question_of(config, DIGESTS, CODES)
 BUILT_IN = [name for name in METHODS if REFERENCES[name] == name]
-# The studies of the article's claims know the package's own methods only.
-OWN_CONFIG = {**config, "methods": BUILT_IN, "method_parameters": {}}
 FOREIGN = config["foreign_results"]
 FOREIGN_DIGESTS = {name: sha256(entry["file"]) for name, entry in FOREIGN.items()}
-SEEDS = range(config["seeds"])
-ARTICLE = CONFIGURATION.article
+ARTICLE = RUN.article
 SECTIONS = (
-    ["Verdicts", "Figures", "Tables", "Explorer", "Checks", "Robustness"]
+    ["Verdicts", "Figures", "Tables", "Explorer"]
     if ARTICLE
     else ["Figures", "Tables", "Explorer"]
 )
+RESULTS, REPORTS = Path("results", config["run"]), Path("reports", config["run"])
 
 
 if workflow.is_main_process:
+    aging.age_results(RESULTS, [*JOBS.values()])
     print(f"a whole run takes about {COST}", file=sys.stderr)
     for figure, missing in left_out(config, ARTICLE).items():
         print(
@@ -85,8 +94,8 @@ if workflow.is_main_process:
 
 
 pathvars:
-    results=f"results/{config['run']}",
-    reports=f"reports/{config['run']}",
+    results=str(RESULTS),
+    reports=str(REPORTS),
     logs=f"logs/{config['run']}",
 
 
@@ -98,19 +107,40 @@ wildcard_constraints:
     batch="[0-9]+",
 
 
-def map_of(wildcards):
-    """Map file of the environment in the wildcards."""
-    return config["environments"][wildcards.environment]["map"]
+def job_of(wildcards, output):
+    """Job that makes a result file, as JSON."""
+    return job_at(output[0]).text
+
+
+def maps_of(wildcards, output):
+    """Maps of that job for its command line."""
+    return [f"--map={name}={MAPS[name]}" for name in job_at(output[0]).maps]
+
+
+def job_at(path):
+    """Job that makes the result file at this path."""
+    return JOBS[Path(path).relative_to(RESULTS).as_posix()]
+
+
+def files_of(jobs):
+    """Paths of the files of jobs."""
+    return [str(RESULTS / place) for place in jobs]
+
+
+def learning_of(environments=ENVIRONMENTS, methods=METHODS, seeds=None):
+    """Learning jobs of some environments, methods and numbers of seeds, in the order of the tables."""
+    return {
+        place: job
+        for place, job in LEARNING.items()
+        if job.environment in environments
+        and job.method in methods
+        and (seeds is None or job.seed < seeds)
+    }
 
 
 def map_digests(names=ENVIRONMENTS):
     """Digests of maps, for rules that read them: time stamps do not tell that a map was replaced by an older file."""
     return {name: DIGESTS[name] for name in names}
-
-
-def asked(*kinds, environments=ENVIRONMENTS, methods=None):
-    """What files of these kinds must have been made from; whatever reads them checks it."""
-    return {kind: about(QUESTION[kind], environments, methods) for kind in kinds}
 
 
 def section(name):
@@ -123,24 +153,9 @@ def groups(*names):
     return {name: config[name] for name in names}
 
 
-def hyper_parameters(*names):
-    """Groups of the configuration as JSON for a job's command line."""
-    return json.dumps(groups(*names), sort_keys=True)
-
-
 def entries(names=ENVIRONMENTS):
     """Entries of the configuration for some environments, in the order given."""
     return {name: config["environments"][name] for name in names}
-
-
-def learning_files(environments=ENVIRONMENTS, methods=METHODS):
-    """Learning files of the run, in the order of the tables."""
-    return expand(
-        "<results>/learning/{environment}/{method}/seed_{seed:03d}.h5",
-        environment=environments,
-        method=methods,
-        seed=SEEDS,
-    )
 
 
 def method_modules(names):
@@ -152,20 +167,3 @@ def looks(names=METHODS):
     """Label and colour of methods."""
     kinds = {name: methods.load(REFERENCES[name]) for name in names}
     return {name: [kind.label, kind.colour] for name, kind in kinds.items()}
-
-
-def own_parameters(name):
-    """Parameters of a method's own that the configuration gives."""
-    return config["method_parameters"].get(name, {})
-
-
-def products_of_study():
-    """Checksums of the products of the robustness study by path, if it was made."""
-    folder = Path("reports", config["run"], "robustness")
-    return {str(path): sha256(path) for path in sorted(folder.glob("*.*"))}
-
-
-def shares_of_study():
-    """Table of the robustness study with its checksum, if the study was made; asking for it would run the study."""
-    path = f"reports/{config['run']}/robustness/share.csv"
-    return {"path": path, "sha256": sha256(Path(path))} if os.path.isfile(path) else {}

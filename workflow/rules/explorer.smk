@@ -1,17 +1,12 @@
 # The page in which the learning of some seeds can be watched; complete in itself.
 
 # A few seeds show how much runs differ; with more the page would be too large for the report (see `pack`).
-EXPLORER_SEEDS = list(SEEDS)[:3]
+EXPLORED = learning_of(seeds=3)
 
 
 rule build_explorer:
     input:
-        expand(
-            "<results>/learning/{environment}/{method}/seed_{seed:03d}.h5",
-            environment=ENVIRONMENTS,
-            method=METHODS,
-            seed=EXPLORER_SEEDS,
-        ),
+        files_of(EXPLORED),
     output:
         report(
             "<reports>/explorer.html",
@@ -28,9 +23,12 @@ rule build_explorer:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures"),
-        asked=asked(LEARNING),
+        jobs=packed(EXPLORED.values()),
         environments=entries(),
-        given={name: [REFERENCES[name], own_parameters(name)] for name in METHODS},
+        given={
+            name: [REFERENCES[name], RUN.method_parameters.get(name, {})]
+            for name in METHODS
+        },
         looks=looks(),
         code=code_digest(
             "ptl.report.explorer.data",

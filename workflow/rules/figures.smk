@@ -1,45 +1,47 @@
 # The figures: a row of ptl.report.figures.figures for each. One rule draws them all, as a PNG for reading, an SVG for
 # printing and a CSV of the numbers drawn.
 
-from ptl.files.schema import FREQUENCIES, GAIN, LEARNING
 from ptl.report.figures import figures as figure_rows, item_label
 
 FIGURES = figure_rows({**config, "methods": METHODS}, ARTICLE)
 
 
-# Input files of a figure by kind, as its row asks for them.
-SOURCES = {
-    "maps": lambda row: [entry["map"] for entry in entries(row.environments).values()],
-    "learning": lambda row: learning_files(row.environments, row.methods),
-    "per_seed": lambda row: rules.measure.output.per_seed,
-    "steps": lambda row: rules.measure.output.steps,
-    "survey": lambda row: expand(
-        "<results>/subgoal_frequencies/{environment}.h5", environment=row.environments
-    ),
-    "misleading_prior": lambda row: rules.misleading_prior_learning.input,
-    "policy_reuse_experiment": lambda row: rules.fernandez_veloso_learning.input,
-    "growth": lambda row: rules.collect_growth.output[0],
-    "selection_cost": lambda row: rules.library_cost.output.selection,
-    "library_bytes": lambda row: rules.library_cost.output.storage,
-}
+def results_of(row):
+    """Jobs whose files a figure shows, by kind of input."""
+    jobs = {
+        "learning": learning_of(row.environments, row.methods),
+        "misleading_prior": MISLEADING,
+        "survey": {
+            place: job
+            for place, job in SURVEYS.items()
+            if job.environment in row.environments
+        },
+    }
+    return {kind: jobs[kind] for kind in row.needs if kind in jobs}
 
-# Formats of those that answer a question.
-KINDS = {
-    "learning": LEARNING,
-    "misleading_prior": LEARNING,
-    "survey": FREQUENCIES,
-    "policy_reuse_experiment": GAIN,
-}
+
+def sources_of(row):
+    """Input files of a figure by kind, as its row asks for them."""
+    files = {
+        "maps": [MAPS[name] for name in row.environments],
+        "per_seed": rules.measure.output.per_seed,
+        "steps": rules.measure.output.steps,
+        "growth": rules.collect_growth.output[0],
+        "selection_cost": rules.library_cost.output.selection,
+        "library_bytes": rules.library_cost.output.storage,
+    }
+    files |= {kind: files_of(jobs) for kind, jobs in results_of(row).items()}
+    return {kind: files[kind] for kind in row.needs}
+
+
+def result_jobs(row):
+    """All jobs whose files a figure shows."""
+    return [job for jobs in results_of(row).values() for job in jobs.values()]
 
 
 rule draw_figure:
     input:
-        unpack(
-            lambda wildcards: {
-                kind: SOURCES[kind](FIGURES[wildcards.figure])
-                for kind in FIGURES[wildcards.figure].needs
-            }
-        ),
+        unpack(lambda wildcards: sources_of(FIGURES[wildcards.figure])),
     output:
         png=report(
             "<reports>/figures/{figure}.png",
@@ -61,15 +63,7 @@ rule draw_figure:
         module=lambda wildcards: FIGURES[wildcards.figure].module,
         caption=lambda wildcards: FIGURES[wildcards.figure].caption,
         groups=lambda wildcards: groups(*FIGURES[wildcards.figure].groups),
-        asked=lambda wildcards: asked(
-            *[
-                KINDS[kind]
-                for kind in FIGURES[wildcards.figure].needs
-                if kind in KINDS
-            ],
-            environments=FIGURES[wildcards.figure].environments,
-            methods=FIGURES[wildcards.figure].methods,
-        ),
+        jobs=lambda wildcards: packed(result_jobs(FIGURES[wildcards.figure])),
         maps=lambda wildcards: map_digests(FIGURES[wildcards.figure].environments),
         environments=lambda wildcards: entries(FIGURES[wildcards.figure].environments),
         methods=lambda wildcards: FIGURES[wildcards.figure].methods,

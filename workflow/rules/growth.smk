@@ -3,7 +3,7 @@
 
 rule grow:
     input:
-        map=config["environments"][config["growth"]["environment"]]["map"],
+        map=MAPS[config["growth"]["environment"]],
     output:
         "<results>/growth/run_{run}.h5",
     log:
@@ -11,20 +11,14 @@ rule grow:
     conda:
         "../envs/ptl.yaml"
     params:
-        growth=config["growth"],
-        run=lambda wildcards: int(wildcards.run),
-        root_seed=config["root_seed"],
-        map=DIGESTS[config["growth"]["environment"]],
-        parameters=hyper_parameters("learning", "skills", "subgoals"),
-        code=code_digest("ptl.learning.growth", "ptl.methods.ptl", "ptl.files.results"),
+        job=job_of,
+        maps=maps_of,
     message:
         "Growing a library over random tasks, run {wildcards.run}"
     shell:
-        "ptl grow --map {input.map:q} --environment {params.growth[environment]} --tasks {params.growth[tasks]}"
-        " --run {params.run} --root-seed {params.root_seed}"
-        " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+        "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
 
 
 rule growth:
     input:
-        expand("<results>/growth/run_{run:03d}.h5", run=range(config["growth"]["runs"])),
+        files_of(GROWTH),

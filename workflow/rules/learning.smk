@@ -3,7 +3,7 @@
 
 rule learn:
     input:
-        map=map_of,
+        map=lambda wildcards: MAPS[wildcards.environment],
     output:
         "<results>/learning/{environment}/{method}/seed_{seed}.h5",
     log:
@@ -13,24 +13,14 @@ rule learn:
     conda:
         "../envs/ptl.yaml"
     params:
-        seed=lambda wildcards: int(wildcards.seed),
-        root_seed=config["root_seed"],
-        map=lambda wildcards: DIGESTS[wildcards.environment],
-        tasks=lambda wildcards: config["environments"][wildcards.environment]["tasks"],
-        parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
-        method=lambda wildcards: REFERENCES[wildcards.method],
-        own=lambda wildcards: json.dumps(own_parameters(wildcards.method)),
-        code=lambda wildcards: learning_code(
-            REFERENCES[wildcards.method], "ptl.files.results"
-        ),
+        job=job_of,
+        maps=maps_of,
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"
     shell:
-        "ptl learn --map {input.map:q} --environment {wildcards.environment} --tasks {params.tasks}"
-        " --method {params.method:q} --method-parameters {params.own:q} --seed {params.seed} --root-seed {params.root_seed}"
-        " --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+        "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
 
 
 rule learning:
     input:
-        learning_files(),
+        files_of(LEARNING),

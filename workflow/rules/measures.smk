@@ -1,11 +1,9 @@
 # From the files of all jobs to one row a seed.
 
-from ptl.files.schema import GROWTH, LEARNING
-
 
 rule measure:
     input:
-        learning=learning_files(),
+        learning=files_of(LEARNING),
         foreign=[entry["file"] for entry in FOREIGN.values()],
     output:
         per_seed="<reports>/tables/per_seed.csv",
@@ -18,15 +16,13 @@ rule measure:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "learning"),
-        asked=asked(LEARNING),
+        jobs=packed(LEARNING.values()),
         environments=entries(),
-        methods=METHODS,
+        maps=map_digests(),
         seeds=config["seeds"],
         foreign=FOREIGN,
         foreign_digests=FOREIGN_DIGESTS,
-        code=code_digest(
-            "ptl.study.measures", "ptl.files.verification", "ptl.files.foreign"
-        ),
+        code=code_digest("ptl.measures.measure_files", "ptl.files.foreign"),
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
     script:
@@ -43,8 +39,8 @@ rule collect_growth:
     conda:
         "../envs/ptl.yaml"
     params:
-        asked=asked(GROWTH),
-        code=code_digest("ptl.study.growth", "ptl.files.verification"),
+        jobs=packed(GROWTH.values()),
+        code=code_digest("ptl.measures.growth"),
     message:
         "Collecting the growth of the library"
     script:
@@ -64,7 +60,7 @@ rule library_cost:
     params:
         environments=entries(),
         maps=map_digests(),
-        code=code_digest("ptl.study.library_cost"),
+        code=code_digest("ptl.measures.library_cost"),
     message:
         "Counting the cost of a skill selection and of a library"
     script:

@@ -31,33 +31,37 @@ rule front_page:
         "../scripts/front_page.py"
 
 
+ASKED = {"config": config, "maps": DIGESTS, "foreign": FOREIGN_DIGESTS}
+CODES = {rule.name: rule.params.get("code") for rule in workflow.rules}
+CODES = {name: code for name, code in CODES.items() if isinstance(code, str)}
+
+if workflow.is_main_process:
+    aging.age_products(RESULTS, REPORTS, ASKED, CODES)
+
+
 rule manifest:
     input:
         rules.tables.input,
         rules.figures.input,
-        [rules.claims.input, rules.policy_reuse_table.output] if ARTICLE else [],
+        rules.claims.input if ARTICLE else [],
         rules.front_page.output,
         rules.explorer.input,
     output:
         manifest="<reports>/manifest.json",
-        # tells products that were made here from those that were checked out
+        # says which products were made here, and not only checked out
         made="<results>/made.json",
-        # is missing as long as no manifest was written for this configuration, these maps and this code
-        checked=f"<results>/checked/{digest_of(config, DIGESTS, QUESTION, codes_of(workflow.rules), FOREIGN_DIGESTS)}",
     log:
         "<logs>/manifest.log",
     conda:
         "../envs/ptl.yaml"
     params:
-        config=json.dumps(config),
-        maps=DIGESTS,
-        asked={
-            **QUESTION,
-            **(asked_jobs(SETTING, DECISIONS, maps=map_digests()) if ARTICLE else {}),
-        },
-        codes=codes_of(workflow.rules),
-        study=products_of_study(),
-        code=code_digest("ptl.files.manifest", "ptl.files.records"),
+        folder=str(REPORTS),
+        asked=ASKED,
+        codes=CODES,
+        jobs=packed(
+            job for place, job in JOBS.items() if place not in BATCHES
+        ),
+        code=code_digest("ptl.files.manifest", "ptl.files.aging"),
     message:
         "Writing the manifest of all products"
     script:

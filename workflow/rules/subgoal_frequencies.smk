@@ -3,7 +3,7 @@
 
 rule survey_batch:
     input:
-        map=map_of,
+        map=lambda wildcards: MAPS[wildcards.environment],
     output:
         temp("<results>/subgoal_frequencies/{environment}/batch_{batch}.h5"),
     log:
@@ -13,26 +13,24 @@ rule survey_batch:
     conda:
         "../envs/ptl.yaml"
     params:
-        survey=config["subgoal_frequencies"],
-        root_seed=config["root_seed"],
-        map=lambda wildcards: DIGESTS[wildcards.environment],
-        parameters=hyper_parameters("learning"),
-        code=code_digest("ptl.learning.survey", "ptl.files.results"),
+        job=job_of,
+        maps=maps_of,
     message:
-        "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch} of {params.survey[batches]}"
+        "Surveying the subgoals of {wildcards.environment}, batch {wildcards.batch}"
     shell:
-        "ptl survey batch --map {input.map:q} --environment {wildcards.environment} --batch {wildcards.batch}"
-        " --batches {params.survey[batches]} --starts {params.survey[starts]}"
-        " --trajectories {params.survey[trajectories]}"
-        " --root-seed {params.root_seed} --parameters {params.parameters:q} --output {output:q} 2> {log:q}"
+        "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
+
+
+def batches_of(environment):
+    """Jobs of the batches of an environment."""
+    return [part for part in BATCHES.values() if part.environment == environment]
 
 
 rule merge_survey:
     input:
-        expand(
-            "<results>/subgoal_frequencies/{{environment}}/batch_{batch}.h5",
-            batch=range(config["subgoal_frequencies"]["batches"]),
-        ),
+        lambda wildcards: [
+            RESULTS / part.place for part in batches_of(wildcards.environment)
+        ],
     output:
         "<results>/subgoal_frequencies/{environment}.h5",
     log:
@@ -40,15 +38,13 @@ rule merge_survey:
     conda:
         "../envs/ptl.yaml"
     params:
-        code=code_digest("ptl.learning.survey", "ptl.files.results"),
+        jobs=lambda wildcards: packed(batches_of(wildcards.environment)),
     message:
         "Adding up the subgoals of {wildcards.environment}"
-    shell:
-        "ptl survey merge {input:q} --output {output:q} 2> {log:q}"
+    script:
+        "../scripts/merge_survey.py"
 
 
 rule subgoal_frequencies:
     input:
-        expand(
-            "<results>/subgoal_frequencies/{environment}.h5", environment=ENVIRONMENTS
-        ),
+        files_of(SURVEYS),

@@ -4,9 +4,9 @@ from ptl.files.atomic import write_text
 from ptl.files.outside import configured
 from ptl.report.explorer.data import collect
 from ptl.report.explorer.page import build
-from ptl.report.job import running
+from ptl.report.script import running
 
-with running(snakemake) as job:
+with running(snakemake) as script:
     kinds = {name: configured(*given) for name, given in snakemake.params.given.items()}
-    data = collect(job.input, titles=job.titles, window=job.groups.measures.window, kinds=kinds)
-    write_text(job.output[0], build(data))
+    data = collect(script.results(script.input), titles=script.titles, window=script.groups.measures.window, kinds=kinds)
+    write_text(script.output[0], build(data))

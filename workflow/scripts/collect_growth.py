@@ -1,8 +1,8 @@
 """Collect the size of the library after every task, from all lives of random tasks."""
 
 from ptl.files.csv import write_csv
-from ptl.report.job import running
-from ptl.study.growth import library_sizes
+from ptl.measures.growth import library_sizes
+from ptl.report.script import running
 
-with running(snakemake) as job:
-    write_csv(library_sizes(job.input), job.output[0], sealed=True)
+with running(snakemake) as script:
+    write_csv(library_sizes(script.results(script.input)), script.output[0])

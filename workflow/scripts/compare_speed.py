@@ -9,7 +9,7 @@ from ptl.benchmark.contestants import check_installed
 from ptl.benchmark.task import Task
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
-from ptl.report.job import running
+from ptl.report.script import running
 from ptl.world.gridworld import load_map
 
 
@@ -18,10 +18,10 @@ def say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-with running(snakemake) as job:
+with running(snakemake) as script:
     check_installed()
     computer = machine.describe()
-    path, letter, config = Path(job.input.map), snakemake.params.task, snakemake.params.config
+    path, letter, config = Path(script.input.map), snakemake.params.task, snakemake.params.config
     measured = speed.measure(Task(load_map(path), letter), rounds=11, say=say)
     maps = {name: Path(entry["map"]) for name, entry in config["environments"].items()}
     trajectories = config["subgoal_frequencies"]["trajectories"]
@@ -36,5 +36,5 @@ with running(snakemake) as job:
         "startup": startup.summarise(phases),
         "run": run.summarise(run.measure(Path.cwd(), config)),
     }
-    write_text(Path(job.output.page), pages.benchmark_markdown(computer, **parts, place=path.stem, letter=letter))
-    write_csv(pages.benchmark_csv(computer, **parts), Path(job.output.table))
+    write_text(Path(script.output.page), pages.benchmark_markdown(computer, **parts, place=path.stem, letter=letter))
+    write_csv(pages.benchmark_csv(computer, **parts), Path(script.output.table))

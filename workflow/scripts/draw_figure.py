@@ -3,8 +3,8 @@
 from importlib import import_module
 
 from ptl.report.figures import style
-from ptl.report.job import running
+from ptl.report.script import running
 
-with running(snakemake) as job:
+with running(snakemake) as script:
     module = import_module(f"ptl.report.figures.{snakemake.params.module}")
-    style.save(*module.make(job), job.output.png)
+    style.save(*module.make(script), script.output.png)

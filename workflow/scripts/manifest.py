@@ -1,22 +1,14 @@
-"""Hold products against their run and write the manifest: configuration, versions and checksums of products."""
+"""Write the manifest of all products: configuration, versions and checksums."""
 
-import json
 from pathlib import Path
 
+from ptl.files.aging import write_made
 from ptl.files.atomic import write_text
-from ptl.files.manifest import build
-from ptl.files.records import check_records
-from ptl.report.job import running
+from ptl.files.manifest import build, to_json
+from ptl.report.script import running
 
-with running(snakemake) as job:
+with running(snakemake) as script:
     params = snakemake.params
-    config = json.loads(params.config)
-    check_records(Path("results", config["run"]), job.input, config, params.asked, params.codes)
-    folder = Path("reports", config["run"])
-    manifest = build(map(Path, [*job.input, *params.get("study", ())]), folder, config, params.maps)
-    for path in job.output[:-1]:
-        write_text(path, json.dumps(manifest, indent=1, sort_keys=True) + "\n")
-    checked = Path(job.output.checked)
-    for old in checked.parent.glob("*"):
-        old.unlink()
-    write_text(checked, manifest["content"] + "\n")
+    manifest = build(map(Path, script.input), Path(params.folder), params.asked["config"], params.asked["maps"])
+    write_text(script.output.manifest, to_json(manifest))
+    write_made(script.output.made, params.asked, params.codes, script.jobs, manifest.products)

@@ -5,21 +5,20 @@ import numpy as np
 from ptl.files.configuration import expected_of
 from ptl.files.csv import write_csv
 from ptl.files.foreign import read_foreign
-from ptl.files.verification import OneRun
-from ptl.report.job import running
-from ptl.study.measures import Runs, measure_files, write_steps
+from ptl.measures.measure_files import measure_files, write_steps
+from ptl.measures.measures import Runs
+from ptl.report.script import running
 
-with running(snakemake) as job:
-    measures = job.groups.measures
-    expected = expected_of(job.environments, snakemake.params.seeds, job.groups.learning)
+with running(snakemake) as script:
+    measures = script.groups.measures
+    expected = expected_of(script.environments, snakemake.params.seeds, script.groups.learning)
     foreign = [
         Runs(environment, method, task, np.arange(expected.seeds), runs.steps, runs.truncated)
-        for method, entry in job.foreign.items()
+        for method, entry in script.foreign.items()
         for (environment, task), runs in read_foreign(entry.file, method, expected).items()
     ]
-    found = measure_files(
-        job.input.learning, measures.window, measures.threshold_factor, admit=OneRun().admit, foreign=foreign
-    )
-    write_csv(found.per_seed, job.output.per_seed, sealed=True)
-    write_csv(found.subgoals, job.output.subgoals, sealed=True)
-    write_steps(job.output.steps, found)
+    results = script.results(script.input.learning)
+    found = measure_files(results, measures.window, measures.threshold_factor, foreign)
+    write_csv(found.per_seed, script.output.per_seed)
+    write_csv(found.subgoals, script.output.subgoals)
+    write_steps(script.output.steps, found.steps)

@@ -7,7 +7,7 @@ from ptl.benchmark import machine, pages, scaling
 from ptl.files.atomic import write_text
 from ptl.report.figures import scaling as figure
 from ptl.report.figures import style
-from ptl.report.job import running
+from ptl.report.script import running
 
 
 def say(line: str) -> None:
@@ -15,8 +15,8 @@ def say(line: str) -> None:
     print(line, file=sys.stderr, flush=True)
 
 
-with running(snakemake) as job:
+with running(snakemake) as script:
     computer = machine.describe()
-    growth = scaling.measure(Path(job.input.map), scaling.Plan(), say)
-    style.save(figure.draw(growth), growth, job.output.png)
-    write_text(Path(job.output.page), pages.scaling_markdown(computer, growth))
+    growth = scaling.measure(Path(script.input.map), scaling.Plan(), say)
+    style.save(figure.draw(growth), growth, script.output.png)
+    write_text(Path(script.output.page), pages.scaling_markdown(computer, growth))

@@ -4,18 +4,18 @@ from pathlib import Path
 
 from ptl.config import of_article
 from ptl.files.csv import write_csv
-from ptl.report.job import running
+from ptl.measures.statistics import Resampling, read_per_seed, summarise
 from ptl.report.metric_tables import build_tables, write_tables
-from ptl.study.statistics import Resampling, read_per_seed, summarise
+from ptl.report.script import running
 
-with running(snakemake) as job:
-    statistics = job.groups.statistics
+with running(snakemake) as script:
+    statistics = script.groups.statistics
     metrics = summarise(
-        read_per_seed(job.input.per_seed),
+        read_per_seed(script.input.per_seed),
         Resampling(statistics.confidence, statistics.resamples),
     )
-    write_csv(metrics, job.output.metrics, sealed=True)
+    write_csv(metrics, script.output.metrics)
     write_tables(
-        build_tables(metrics, job.groups.measures, statistics, job.looks, job.titles, of_article(job.environments)),
-        Path(job.output.metrics).parent,
+        build_tables(metrics, script.groups.measures, statistics, script.looks, script.titles, of_article(script.environments)),
+        Path(script.output.metrics).parent,
     )

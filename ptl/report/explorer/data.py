@@ -26,7 +26,6 @@ Policies and actions are texts of one letter a state or step, the initial of the
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -35,8 +34,8 @@ from ptl import methods
 from ptl.agent.policies import greedy_policy
 from ptl.agent.skills import Skill
 from ptl.errors import UserError
-from ptl.files.outside import RECORD
-from ptl.files.results import LearningFile, TaskView, open_learning
+from ptl.files.store import Result
+from ptl.jobs.learn import TaskView, skills_of, tasks_in
 from ptl.methods import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
 from ptl.report.explorer.replay import Notes, replay
@@ -49,14 +48,14 @@ LETTERS = np.array([*(name[0].upper() for name in ACTIONS), "."])
 """Letter of each action; the last one stands for -1, undefined."""
 
 
-def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, str] | None = None,
+def collect(results: Iterable[Result], *, window: int, titles: Mapping[str, str] | None = None,
             kinds: Mapping[str, type[BaseMethod]] | None = None) -> dict[str, Any]:  # fmt: skip
     """Return the data set of the page.
 
     Parameters
     ----------
-    paths : paths of learning files
-        Environments and methods keep the order in which they first appear.
+    results : iterable of Result
+        Learning files of one run. Environments and methods keep the order in which they first appear.
     window : int
         Episodes of the final mean.
     titles : mapping, optional
@@ -67,19 +66,17 @@ def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, st
     Raises
     ------
     UserError
-        If a file is damaged or cannot be learned again, two files disagree on map or parameters, or a method lacks a
-        seed that another one has.
+        If a file cannot be used, or cannot be learned again.
     """
     environments: dict[str, dict[str, Any]] = {}
     shown: dict[str, dict[str, str]] = {}
-    for path in paths:
-        with open_learning(path) as file:
-            kind = (kinds or {}).get(file.method) or methods.load(file.method)
-            _add(file, environments, titles or {}, kind)
-            shown[file.method] = _look(file, kind)
+    for result in results:
+        method = result.job.method
+        kind = (kinds or {}).get(method) or methods.load(method)
+        _add(result, environments, titles or {}, kind)
+        shown[method] = _look(result, kind)
     if not environments:
         raise UserError("no learning file to show; name the files of a run")
-    _check_complete(environments.values())
     return {
         "actions": list(ACTIONS),
         "window": window,
@@ -89,39 +86,32 @@ def collect(paths: Iterable[str | Path], *, window: int, titles: Mapping[str, st
 
 
 def _add(
-    file: LearningFile, environments: dict[str, dict[str, Any]], titles: Mapping[str, str], kind: type[BaseMethod]
+    result: Result, environments: dict[str, dict[str, Any]], titles: Mapping[str, str], kind: type[BaseMethod]
 ) -> None:
+    job = result.job
     fresh = {
-        "name": file.environment,
-        "title": titles.get(file.environment, file.environment),
-        "map": file.world.text,
-        "parameters": {name: group for name, group in file.parameters.items() if name != RECORD},
-        "tasks": list(file.tasks),
+        "name": job.environment,
+        "title": titles.get(job.environment, job.environment),
+        "map": result.world.text,
+        "parameters": job.parameters,
+        "tasks": list(job.tasks),
         "seeds": [],
         "methods": [],
         "runs": {},
     }
-    entry = environments.setdefault(file.environment, fresh)
-    for key in ("map", "parameters", "tasks"):
-        if entry[key] != fresh[key]:
-            raise UserError(
-                f"{file.path}: its {key} differ from those of earlier files of {file.environment};"
-                " give the files of one run"
-            )
-    name = f"{file.method}/{file.seed}"
-    if name in entry["runs"]:
-        raise UserError(f"{file.path}: {file.environment}/{name} is given twice; name each run once")
-    if file.method not in entry["methods"]:
-        entry["methods"].append(file.method)
-    entry["seeds"] = sorted({*entry["seeds"], file.seed})
-    entry["runs"][name] = {
-        "skills": [_skill(skill) for skill in file.library or []],
-        "tasks": [_task(task, notes) for task, notes in zip(file.tasks.values(), replay(file, kind), strict=True)],
+    entry = environments.setdefault(job.environment, fresh)
+    if job.method not in entry["methods"]:
+        entry["methods"].append(job.method)
+    entry["seeds"] = sorted({*entry["seeds"], job.seed})
+    tasks = zip(tasks_in(result).values(), replay(result, kind), strict=True)
+    entry["runs"][f"{job.method}/{job.seed}"] = {
+        "skills": [_skill(skill) for skill in skills_of(result.arrays) or []],
+        "tasks": [_task(task, notes) for task, notes in tasks],
     }
 
 
-def _look(file: LearningFile, kind: type[BaseMethod]) -> dict[str, str]:
-    guides = "policies" if issubclass(kind, PolicyReuse) else "none" if file.library is None else "skills"
+def _look(result: Result, kind: type[BaseMethod]) -> dict[str, str]:
+    guides = "policies" if issubclass(kind, PolicyReuse) else "skills" if "library/subgoals" in result.arrays else "none"
     return {"label": kind.label, "colour": kind.colour, "guides": guides}
 
 
@@ -154,11 +144,3 @@ def _letters(actions: np.ndarray) -> str:
 
 def _rounded(shares: np.ndarray) -> list[Any]:
     return np.round(shares, DECIMALS).tolist()
-
-
-def _check_complete(environments: Iterable[dict[str, Any]]) -> None:
-    for entry in environments:
-        for seed in entry["seeds"]:
-            for method in entry["methods"]:
-                if f"{method}/{seed}" not in entry["runs"]:
-                    raise UserError(f"{entry['name']}/{method}: no file of seed {seed} among those given; name it too")

@@ -16,8 +16,8 @@ from ptl import methods
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.errors import UserError
-from ptl.files.results import LearningFile, TaskView
-from ptl.files.schema import learning_parameters
+from ptl.files.store import AGAIN, Result
+from ptl.jobs.learn import TaskView, tasks_in
 from ptl.learning.life import Task, TaskRecord, learn_task
 from ptl.methods._base import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
@@ -52,7 +52,7 @@ class Notes:
     parts: list[list[int]] = field(default_factory=list)
 
 
-def replay(file: LearningFile, kind: type[BaseMethod] | None = None) -> Iterator[Notes]:
+def replay(result: Result, kind: type[BaseMethod] | None = None) -> Iterator[Notes]:
     """Learn the tasks of a file again and yield the notes of each.
 
     Parameters
@@ -65,15 +65,15 @@ def replay(file: LearningFile, kind: type[BaseMethod] | None = None) -> Iterator
     UserError
         If a task's steps, draws or values differ from those of the file.
     """
-    names = (file.method, file.environment, file.seed)
-    parameters = learning_parameters(file.parameters)
-    choices = seeding.generator(file.root_seed, *names, "choices")
-    method = _Watched((kind or methods.load(file.method))(file.world, parameters, choices))
-    dynamics = Dynamics(file.world.successors)
-    for index, stored in enumerate(file.tasks.values()):
+    job, world = result.job, result.world
+    names, parameters = (job.method, job.environment, job.seed), job.settings
+    choices = seeding.generator(job.root_seed, *names, "choices")
+    method = _Watched((kind or methods.load(job.method))(world, parameters, choices))
+    dynamics = Dynamics(world.successors)
+    for index, stored in enumerate(tasks_in(result).values()):
         task = Task(stored.name, stored.start, stored.goal)
-        steps = seeding.bit_generator(file.root_seed, *names, "steps", index)
-        _check_equal(file, stored, learn_task(file.world, dynamics, task, method, parameters, steps, index))
+        steps = seeding.bit_generator(job.root_seed, *names, "steps", index)
+        _check_equal(result, stored, learn_task(world, dynamics, task, method, parameters, steps, index))
         yield method.notes
 
 
@@ -165,12 +165,11 @@ class _WatchedLearner:
         self.parts.append([candidate, self._learner.steps - before])
 
 
-def _check_equal(file: LearningFile, stored: TaskView, again: TaskRecord) -> None:
+def _check_equal(result: Result, stored: TaskView, again: TaskRecord) -> None:
     drawn = np.array([candidate for episode in again.selected for candidate in episode], dtype=np.int32)
     pairs = (("steps", stored.steps, again.steps), ("draws", stored.selected, drawn), ("values", stored.q, again.q))
     for name, kept, learned in pairs:
         if not np.array_equal(kept, learned):
             raise UserError(
-                f"{file.path}: task {stored.name} learned again gives other {name} than the file holds;"
-                " make the file again"
+                f"{result.path}: task {stored.name} learned again gives other {name} than the file has; {AGAIN}"
             )

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from ptl.study.sample_size import note
+from ptl.measures.sample_size import note
 from ptl.text import percent
 
 NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
@@ -27,8 +27,8 @@ ARTICLE_NUMBERS = {
 }
 """What figures that do not belong to one environment are called in a run on the article's maps."""
 
-ARTICLE_ONLY = {"misleading_prior", "policy_reuse_fv"}
-"""Figures that are about the article and its sources, not about the environments of a run."""
+ARTICLE_ONLY = {"misleading_prior"}
+"""Figures that are about the article, not about the environments of a run."""
 
 ALWAYS_SHOWN = {"no_transfer", "ptl"}
 """Methods without which a run has not all figures."""
@@ -193,19 +193,6 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
             " against states and skills.",
             needs=("selection_cost", "library_bytes"),
             item="Library",
-        ),
-        "policy_reuse_fv": Figure(
-            "policy_reuse_experiment",
-            "gain in an experiment after Fernandez and Veloso",
-            "An experiment after Fernandez and Veloso on their map, learned by the policy reuse of this comparison:"
-            " random starts, at most 100 steps a trial, 2000 trials on their task Ω with the policies of three sets of"
-            " earlier tasks, and plain Q-learning. Gain W is the mean discounted return over the first trials: mean of"
-            f" {seeds} seeds{note(seeds, level)}. Diamonds are read off a figure of the source. Known differences from"
-            " the source are listed under the table policy_reuse_fv.",
-            needs=("policy_reuse_experiment",),
-            groups=("statistics",),
-            category="Checks",
-            item="Policy reuse",
         ),
     }
     return {

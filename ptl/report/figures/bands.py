@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ptl.study.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 
 STREAM = 20190501
 """Seed of the resampling; a figure is the same every time it is drawn."""

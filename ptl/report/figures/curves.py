@@ -8,29 +8,30 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from ptl.measures.measure_files import Steps, read_steps
 from ptl.report.figures import style
 from ptl.report.figures.bands import mean_band
-from ptl.report.figures.steps import StepsFile, open_steps
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from ptl.config import Statistics
-    from ptl.report.job import Job
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the curves of the last task of each environment."""
-    with open_steps(job.input.steps) as steps:
-        methods = [*job.methods, *job.foreign]
-        frame = curves(steps, job.worlds, job.last_tasks, methods, job.groups.statistics)
-    return draw(frame, job.titles, job.looks), frame
+    methods = [*script.methods, *script.foreign]
+    frame = curves(
+        read_steps(script.input.steps), script.worlds, script.last_tasks, methods, script.groups.statistics
+    )
+    return draw(frame, script.titles, script.looks), frame
 
 
 def curves(
-    steps: StepsFile,
+    steps: Steps,
     worlds: Mapping[str, GridWorld],
     tasks: Mapping[str, str],
     methods: Sequence[str],
@@ -40,7 +41,8 @@ def curves(
 
     Parameters
     ----------
-    steps : StepsFile
+    steps : mapping
+        See `ptl.measures.measure_files.Steps`.
     worlds : mapping of environment name to GridWorld
         Panels come in this order.
     tasks : mapping of environment name to goal letter
@@ -59,9 +61,9 @@ def curves(
         task = tasks[environment]
         shortest = world.shortest_path_length(world.start, world.goal(task))
         for method in methods:
-            if not steps.has(environment, method):  # another program need not have run everywhere
+            if (environment, method, task) not in steps:  # another program need not have run everywhere
                 continue
-            values = steps.steps(environment, method, task)
+            values = steps[environment, method, task]
             mean, low, high = mean_band(values, statistics.confidence, statistics.resamples)
             part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
             for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):

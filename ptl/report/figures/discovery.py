@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,14 +12,15 @@ from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 
 from ptl.errors import UserError
-from ptl.files.results import open_learning
+from ptl.jobs.learn import tasks_in
 from ptl.report.figures import cells, style
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.files.results import TaskView
-    from ptl.report.job import Job
+    from ptl.files.store import Result
+    from ptl.jobs.learn import TaskView
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 METRICS = ("original", "incremental")
@@ -39,20 +39,20 @@ class Discoveries:
     frame: pd.DataFrame
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the metrics of the tasks that the configuration names, the last three by default."""
-    [(name, entry)] = job.environments.items()
-    discoveries = collect(job.input.learning, entry.discovery_tasks)
-    return draw(discoveries, job.titles[name]), discoveries.frame
+    [(name, entry)] = script.environments.items()
+    discoveries = collect(script.results(script.input.learning), entry.discovery_tasks)
+    return draw(discoveries, script.titles[name]), discoveries.frame
 
 
-def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
+def collect(results: Iterable[Result], tasks: Sequence[str]) -> Discoveries:
     """Compute the mean of both metrics over seeds, and how many seeds chose each state.
 
     Parameters
     ----------
-    paths : paths of learning files
-        Seeds of one environment and one method that keeps a library.
+    results : iterable of Result
+        Learning files, the seeds of one environment and one method that keeps a library.
     tasks : sequence of str
         Tasks to show.
 
@@ -65,44 +65,31 @@ def collect(paths: Iterable[str | Path], tasks: Sequence[str]) -> Discoveries:
     """
     sums: dict[tuple[str, str], np.ndarray] = {}
     chosen: dict[tuple[str, str], np.ndarray] = {}
-    world: GridWorld | None = None
-    identity: tuple[str, str, str] | None = None
+    job = world = None
     seeds = 0
-    for path in paths:
-        with open_learning(path) as file:
-            found = file.environment, file.method, file.world.text
-            if identity is None:
-                identity, world = found, file.world
-            if found != identity:
-                raise UserError(
-                    f"{path}: environment {file.environment}, method {file.method} or its map differs from"
-                    " the files before; give the seeds of one environment and one method"
-                )
-            if file.library is None:
-                raise UserError(f"{path}: method {file.method} keeps no skill library; give files of a method like ptl")
-            for task in tasks:
-                if task not in file.tasks:
-                    raise UserError(f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --tasks")
-                view = file.tasks[task]
-                for metric in METRICS:
-                    values = getattr(view, metric)
-                    sums[task, metric] = sums.get((task, metric), 0) + values
-                    counts = chosen.setdefault((task, metric), np.zeros(len(values), dtype=int))
-                    subgoal = _choice(view, metric, values)
-                    if subgoal >= 0:
-                        counts[subgoal] += 1
+    for result in results:
+        job, world = result.job, result.world
+        views = tasks_in(result)
+        for task in tasks:
+            for metric in METRICS:
+                values = getattr(views[task], metric)
+                sums[task, metric] = sums.get((task, metric), 0) + values
+                counts = chosen.setdefault((task, metric), np.zeros(len(values), dtype=int))
+                subgoal = _choice(views[task], metric, values)
+                if subgoal >= 0:
+                    counts[subgoal] += 1
         seeds += 1
-    if identity is None or world is None:
+    if job is None or world is None:
         raise UserError("no learning file to draw; name at least one")
     rows, columns = world.cells.T
     parts = []
     for (task, metric), total in sums.items():
         part = pd.DataFrame({"state": range(world.n_states), "row": rows, "column": columns, "value": total / seeds})
-        heads = ("environment", identity[0]), ("method", identity[1]), ("task", task), ("metric", metric)
+        heads = ("environment", job.environment), ("method", job.method), ("task", task), ("metric", metric)
         for place, (name, value) in enumerate(heads):
             part.insert(place, name, value)
         parts.append(part.assign(chosen=chosen[task, metric], seeds=seeds))
-    return Discoveries(identity[0], world, pd.concat(parts, ignore_index=True))
+    return Discoveries(job.environment, world, pd.concat(parts, ignore_index=True))
 
 
 def _choice(view: TaskView, metric: str, values: np.ndarray) -> int:

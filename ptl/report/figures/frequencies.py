@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.colors import PowerNorm
 
-from ptl.errors import UserError
-from ptl.files.results import FREQUENCIES, open_result
 from ptl.report.figures import cells, style
 from ptl.text import number
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.files.store import Result
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 GAP = 1.75
@@ -44,27 +42,26 @@ class Frequencies:
     trajectories: int
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw a heat map for each environment."""
-    items = read(job.input.survey)
+    items = read(script.results(script.input.survey))
     frame = frequency_frame(items)
-    return draw(items, frame, job.titles), frame
+    return draw(items, frame, script.titles), frame
 
 
-def read(paths: Iterable[str | Path]) -> list[Frequencies]:
-    """Read files of subgoal frequencies, one per environment."""
-    items: list[Frequencies] = []
-    for path in paths:
-        with open_result(path, FREQUENCIES) as result:
-            if any(result.environment == item.environment for item in items):
-                raise UserError(f"{path}: environment {result.environment} is given twice; name each file once")
-            numbers = {name: int(result.file[name][()]) for name in ("pairs", "unresolved")}
-            trajectories = int(result.file.attrs["trajectories"])
-            counts = result.file["counts"][()]
-            items.append(Frequencies(result.environment, result.world, counts, trajectories=trajectories, **numbers))
-    if not items:
-        raise UserError("no file of subgoal frequencies to draw; name at least one")
-    return items
+def read(results: Iterable[Result]) -> list[Frequencies]:
+    """Return the contents of files of subgoal frequencies, one per environment."""
+    return [
+        Frequencies(
+            result.job.environment,
+            result.world,
+            result.arrays["counts"],
+            int(result.arrays["pairs"]),
+            int(result.arrays["unresolved"]),
+            result.job.trajectories,
+        )
+        for result in results
+    ]
 
 
 def frequency_frame(items: Sequence[Frequencies]) -> pd.DataFrame:

@@ -8,23 +8,23 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
+from ptl.measures.growth import TwoSlopes, fit_two_slopes, read_sizes
+from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights
-from ptl.study.growth import TwoSlopes, fit_two_slopes, read_sizes
-from ptl.study.sample_size import FEWEST_FOR_INTERVAL
 from ptl.text import interval as limits
 from ptl.text import number, percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.report.script import Script
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the growth of the library."""
-    statistics, growth = job.groups.statistics, job.groups.growth
-    sizes = read_sizes(str(job.input.growth))
+    statistics, growth = script.groups.statistics, script.groups.growth
+    sizes = read_sizes(str(script.input.growth))
     frame = growth_frame(sizes, growth.breakpoint, statistics.confidence, statistics.resamples)
     return draw(frame), frame
 

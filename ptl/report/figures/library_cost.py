@@ -8,22 +8,22 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
+from ptl.measures.library_cost import read_selection, read_storage
 from ptl.report.figures import style
-from ptl.study.library_cost import read_selection, read_storage
 from ptl.text import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.report.script import Script
 
 KIBIBYTE = 1024
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the cost of a selection and the size of libraries."""
-    frame = cost_frame(read_selection(job.input.selection_cost), read_storage(job.input.library_bytes))
+    frame = cost_frame(read_selection(script.input.selection_cost), read_storage(script.input.library_bytes))
     return draw(frame), frame
 
 

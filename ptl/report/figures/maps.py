@@ -11,14 +11,14 @@ from ptl.report.figures import cells, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the map of the environment."""
-    [(name, world)] = job.worlds.items()
-    return draw(world, job.titles[name]), places(world)
+    [(name, world)] = script.worlds.items()
+    return draw(world, script.titles[name]), places(world)
 
 
 def places(world: GridWorld) -> pd.DataFrame:

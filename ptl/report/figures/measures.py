@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
+from ptl.measures.measure_files import Steps, read_steps
 from ptl.report.figures import style
-from ptl.report.figures.steps import StepsFile, open_steps
 from ptl.text import number
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.report.script import Script
 
 DIMENSION_STEP = 1.75
 """Ratio of the heights of two dimension lines on the log scale."""
@@ -32,18 +32,18 @@ def trailing_mean(values: np.ndarray, window: int) -> np.ndarray:
     return means
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the measures on the last task of the environment, with the first method as the base."""
-    [(name, world)] = job.worlds.items()
-    task, settings = job.last_tasks[name], job.groups.measures
+    [(name, world)] = script.worlds.items()
+    task, settings = script.last_tasks[name], script.groups.measures
     shortest = world.shortest_path_length(world.start, world.goal(task))
-    with open_steps(job.input.steps) as steps:
-        frame = measures(steps, name, task, job.methods, shortest, settings.window, settings.threshold_factor)
-    return draw(frame, f"{job.titles[name]}, task {task}"), frame
+    steps = read_steps(script.input.steps)
+    frame = measures(steps, name, task, script.methods, shortest, settings.window, settings.threshold_factor)
+    return draw(frame, f"{script.titles[name]}, task {task}"), frame
 
 
 def measures(
-    steps: StepsFile,
+    steps: Steps,
     environment: str,
     task: str,
     methods: Sequence[str],
@@ -64,13 +64,13 @@ def measures(
         not reached), window and seeds.
     """
     threshold = threshold_factor * shortest_path
-    runs = {method: steps.steps(environment, method, task) for method in methods}
+    runs = {method: steps[environment, method, task] for method in methods}
     curves = {method: values.mean(axis=0) for method, values in runs.items()}
     parts = []
     for method, mean in curves.items():
         if len(mean) < window:
             raise UserError(
-                f"{steps.path}: {len(mean)} episodes are too few for a window of {window}; learn for more"
+                f"measures.window: {len(mean)} episodes are too few for a window of {window}; learn for more"
                 " episodes or make measures.window smaller"
             )
         trailing = trailing_mean(mean, window)

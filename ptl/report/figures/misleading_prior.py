@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,9 +12,8 @@ from matplotlib.colors import LogNorm
 
 from ptl.agent._selection import SkillSelection
 from ptl.agent.selection import prior
-from ptl.config import Parameters
 from ptl.errors import UserError
-from ptl.files.results import open_learning
+from ptl.jobs.learn import TaskView, skills_of, tasks_in
 from ptl.methods.ptl import allowed_candidates
 from ptl.report.figures import cells, style
 from ptl.report.figures.bands import mean_band
@@ -25,9 +23,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ptl.config import Statistics
-    from ptl.files.results import LearningFile
-    from ptl.report.job import Job
+    from ptl.config import Skills, Statistics
+    from ptl.files.store import Result
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 NULL_SKILL = "none"
@@ -62,64 +60,54 @@ EPISODES = 60
 """Episodes that the figure shows at most."""
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the selection of the last task of the map on which the prior misleads."""
-    selections = collect(job.input.misleading_prior, job.groups.statistics)
+    selections = collect(script.results(script.input.misleading_prior), script.groups.statistics)
     return draw(selections, min(EPISODES, int(selections.frame["episode"].max()))), selections.frame
 
 
-def collect(paths: Iterable[str | Path], statistics: Statistics, task: str | None = None) -> Selections:
+def collect(results: Iterable[Result], statistics: Statistics, task: str | None = None) -> Selections:
     """Compute the selection probabilities of one task from learning files of the method ``ptl``.
 
     The files hold which skills each episode used and how long it was; that determines the probabilities.
 
     Parameters
     ----------
-    paths : paths of learning files
-        Runs on one map.
+    results : iterable of Result
+        Learning files of ``ptl`` on one map.
     statistics : Statistics
         Confidence and resamples of the intervals.
     task : str, optional
         The last task when left out.
     """
-    world: GridWorld | None = None
-    parameters: dict[str, Any] | None = None
+    world = settings = None
     runs: list[tuple[dict[str, int], np.ndarray]] = []
-    for path in paths:
-        with open_learning(path) as file:
-            if file.method != "ptl":
-                raise UserError(f"{path}: method {file.method}, but the selection of ptl is drawn; give its files")
-            if world is None or parameters is None:
-                world, parameters = file.world, file.parameters
-            task = task or list(file.tasks)[-1]
-            if file.world.text != world.text or file.parameters != parameters:
-                raise UserError(f"{path}: map or parameters differ from the files before; give the seeds of one run")
-            if task not in file.tasks:
-                raise UserError(f"{path}: no task {task} (there are {', '.join(file.tasks)}); change --task")
-            subgoals = dict(_candidates(file, task))
-            runs.append((subgoals, _probabilities(file, task, list(subgoals.values()))))
-    if world is None or task is None or parameters is None:
+    for result in results:
+        world, settings = result.world, result.job.settings
+        views = tasks_in(result)
+        task = task or result.job.tasks[-1]
+        subgoals = dict(_candidates(result, views, task))
+        runs.append((subgoals, _probabilities(world, settings.skills, views[task], list(subgoals.values()))))
+    if world is None or task is None or settings is None:
         raise UserError("no learning file to draw; name at least one")
-    skills = Parameters.from_dict(parameters).skills
+    skills = settings.skills
     goal = world.goal(task)
     everywhere = prior(world.cells, range(world.n_states), goal, world.diagonal, skills.prior_form, skills.prior_width)
     return Selections(world, task, _frame(world, goal, runs, statistics), everywhere / everywhere[goal])
 
 
-def _candidates(file: LearningFile, task: str) -> Iterator[tuple[str, int]]:
+def _candidates(result: Result, views: Mapping[str, TaskView], task: str) -> Iterator[tuple[str, int]]:
     """Yield the names and subgoals of the null skill and of the skills learned before the task, in order."""
-    names = list(file.tasks)
-    yield NULL_SKILL, file.tasks[task].start
-    for skill in file.library or []:
-        if skill.learned_after < names.index(task):
-            yield names[skill.learned_after], skill.subgoal
+    letters = result.job.tasks
+    yield NULL_SKILL, views[task].start
+    for skill in skills_of(result.arrays) or []:
+        if skill.learned_after < letters.index(task):
+            yield letters[skill.learned_after], skill.subgoal
 
 
-def _probabilities(file: LearningFile, task: str, subgoals: list[int]) -> np.ndarray:
+def _probabilities(world: GridWorld, skills: Skills, view: TaskView, subgoals: list[int]) -> np.ndarray:
     """Return the probability of each candidate at the beginning of each episode, float array (candidates, episodes)."""
-    view, skills = file.tasks[task], Parameters.from_dict(file.parameters).skills
     allowed = allowed_candidates(len(subgoals), skills.null_skill or len(subgoals) == 1)
-    world = file.world
     chances = prior(world.cells, subgoals, view.goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
     selection = SkillSelection(chances, skills.likelihood_exponent, skills.likelihood_weight)
     history = []

@@ -13,19 +13,19 @@ from ptl.report.figures import cells, style
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.report.job import Job
+    from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
 LOWEST = 1e-4
 """Least relative prior told apart by colour."""
 
 
-def make(job: Job) -> tuple[Figure, pd.DataFrame]:
+def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the prior for the last task of the environment."""
-    [(name, world)] = job.worlds.items()
-    skills = job.groups.skills
-    frame = relative_prior(world, job.last_tasks[name], skills.prior_form, skills.prior_width)
-    return draw(world, frame, job.titles[name]), frame
+    [(name, world)] = script.worlds.items()
+    skills = script.groups.skills
+    frame = relative_prior(world, script.last_tasks[name], skills.prior_form, skills.prior_width)
+    return draw(world, frame, script.titles[name]), frame
 
 
 def relative_prior(world: GridWorld, goal: str, form: str, width: float) -> pd.DataFrame:

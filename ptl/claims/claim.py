@@ -1,0 +1,69 @@
+"""A claim: the article's statement in our words, and the function that checks it part by part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from ptl.claims.evidence import Evidence, Lacking
+from ptl.claims.verdict import Part, Verdict, decide
+
+Check = Callable[[Evidence], Iterator[Part | str]]
+"""Yields the parts of a claim, and notes (str) that help to judge it but do not enter the verdict."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement of the article and its check.
+
+    Attributes
+    ----------
+    id : str
+    statement : str
+        The claim in our words.
+    shown_in : tuple of str
+        Tables and figures of the report that show it.
+    check : function
+    """
+
+    id: str
+    statement: str
+    shown_in: tuple[str, ...]
+    check: Check
+
+    def judge(self, evidence: Evidence) -> Judgement:
+        """Return the verdict on the claim; it is undecided if the evidence lacks something."""
+        try:
+            found = list(self.check(evidence))
+        except Lacking as lack:
+            return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
+        parts = tuple(item for item in found if isinstance(item, Part) and not item.plain)
+        plain = tuple(item for item in found if isinstance(item, Part) and item.plain)
+        notes = tuple(item for item in found if isinstance(item, str))
+        return Judgement(self, decide(parts), parts, notes, plain=plain)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The verdict on a claim with its parts and notes; ``reason`` names what the evidence lacks.
+
+    ``parts`` and ``verdict`` follow the strict reading of the claim, ``plain`` and ``plain_verdict`` the plain one, if
+    its words admit both.
+    """
+
+    claim: Claim
+    verdict: Verdict
+    parts: tuple[Part, ...] = ()
+    notes: tuple[str, ...] = ()
+    reason: str = ""
+    plain: tuple[Part, ...] = ()
+
+    @property
+    def plain_verdict(self) -> Verdict | None:
+        """The verdict by the plain reading, None if the claim has one reading only."""
+        return decide(self.plain) if self.plain else None
+
+
+def claim(id: str, statement: str, shown_in: str) -> Callable[[Check], Claim]:
+    """Return a decorator that makes a claim of its check; ``shown_in`` names tables and figures."""
+    return lambda check: Claim(id, statement, tuple(shown_in.split()), check)

@@ -1,0 +1,221 @@
+"""The comparisons that claims are made of.
+
+Where the tables have the same number, the interval is the same too: same name, same random stream.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from ptl.claims.evidence import Evidence, Lacking
+from ptl.claims.thresholds import FAR, MOST
+from ptl.claims.verdict import Part, above, below
+from ptl.measures import statistics
+from ptl.measures.measures import BASE, BY_NAME, MEASURES
+from ptl.measures.statistics import Estimate, named_generator
+from ptl.text import percent
+
+FULL, REUSE = "full_transfer", "policy_reuse"
+PTL, SUPERVISED, UNKNOWN = "ptl", "ptl_supervised", "ptl_unknown_goal"
+VARIANTS = (PTL, SUPERVISED, UNKNOWN)
+OTHERS = (BASE, FULL, REUSE)
+
+TRANSFER_TASKS, LAST_TASK = "BCDEF", "F"
+"""Tasks with something to transfer, those of the tables; and the hardest one, that of the article's curves. A
+claim that names no task is checked on the last one, a claim on "every" measure on all of them. "PTL" alone is
+the method ``ptl``."""
+
+ARTICLE_MEASURES = ("jump_start", "asymptotic", "threshold_episode", "total_steps", "transfer_ratio")
+"""The measures of the article's tables."""
+
+
+def label(metric: str) -> str:
+    """Return the name of a measure in a sentence."""
+    return BY_NAME[metric].heading.lower()
+
+
+# -- estimates -----------------------------------------------------------------------------------------------
+
+
+def mean(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> Estimate:
+    """Return the mean of a measure over seeds."""
+    values = evidence.values(environment, task, method, metric)
+    return statistics.mean(values, evidence.how, named_generator(environment, task, method, metric, "mean"))
+
+
+def level(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> float:
+    """Return the mean of a measure over seeds, as the scale of a difference."""
+    return float(evidence.values(environment, task, method, metric).mean())
+
+
+def saved(evidence: Evidence, environment: str, task: str, method: str, other: str, metric: str) -> Estimate:
+    """Return the mean of a measure of another method minus that of the method, paired by seed; positive is good."""
+    own, others = evidence.pair((environment, task, method), (environment, task, other), metric)
+    generator = named_generator(environment, task, method, other, metric, "saved")
+    return statistics.mean_difference(others, own, evidence.how, generator)
+
+
+def saved_percent(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> Estimate:
+    """Return the steps that a method saves of a measure, in % of the base (a ratio of means)."""
+    own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
+    [name] = [measure.name for measure in MEASURES if measure.saves == metric and measure.function is None]
+    generator = named_generator(environment, task, method, name)
+    return statistics.ratio_of_means(100.0 * (base - own), base, evidence.how, generator)
+
+
+def reached(evidence: Evidence, environment: str, task: str, method: str) -> Estimate:
+    """Return the share of the seeds that reach the threshold."""
+    values = evidence.values(environment, task, method, "threshold_episode")
+    return share(evidence, ~np.isnan(values))
+
+
+def share(evidence: Evidence, hits: np.ndarray) -> Estimate:
+    """Return the share of true values, one a run, with its Wilson interval."""
+    return statistics.share(int(np.count_nonzero(hits)), len(hits), evidence.how)
+
+
+def mean_share(evidence: Evidence, hits: np.ndarray, *names: str) -> Estimate:
+    """Return the share of true values, (runs, cases); the interval resamples whole runs."""
+    return statistics.mean(hits.mean(axis=1), evidence.how, named_generator(*names, "share"))
+
+
+def probability_of_being_quicker(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
+    """Return the probability that a run of the method reaches the threshold sooner; never reaching it comes last."""
+    own, others = (
+        np.nan_to_num(evidence.values(environment, task, name, "threshold_episode"), nan=np.inf)
+        for name in (method, other)
+    )
+    names = [environment, task, method, "threshold_episode", "improvement"] + [other] * (other != BASE)
+    return statistics.probability_of_improvement(own, others, "lower", evidence.how, named_generator(*names))
+
+
+def episodes_to_threshold(evidence: Evidence, environment: str, task: str, method: str) -> np.ndarray:
+    """Return the time to threshold of each seed; one that never reaches it counts with all its episodes."""
+    episodes = evidence.curve(environment, method, task).shape[1]
+    return np.nan_to_num(evidence.values(environment, task, method, "threshold_episode"), nan=float(episodes))
+
+
+def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) -> Estimate:
+    """Return the mean of `episodes_to_threshold` (a restricted mean, as of survival times)."""
+    generator = named_generator(environment, task, method, "episodes_to_threshold")
+    return statistics.mean(episodes_to_threshold(evidence, environment, task, method), evidence.how, generator)
+
+
+def times_as_many_episodes(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
+    """Return the mean episodes to threshold of the other method over those of the method."""
+    own, others = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
+    own, others = (
+        np.nan_to_num(found, nan=float(evidence.curve(environment, name, task).shape[1]))
+        for found, name in ((own, method), (others, other))
+    )
+    generator = named_generator(environment, task, method, other, "times_as_many_episodes")
+    return statistics.ratio_of_means(others, own, evidence.how, generator)
+
+
+# -- parts ---------------------------------------------------------------------------------------------------
+
+
+def improves(evidence: Evidence, environment: str, task: str, method: str, measure: str) -> Part:
+    """Return the part that claims that the method improves a measure over no transfer."""
+    text = f"task {task}, {method}, {label(measure)}"
+    if BY_NAME[measure].saves:
+        in_steps = BY_NAME[measure].unit == "steps"
+        scale = level(evidence, environment, task, BASE, str(BY_NAME[measure].saves)) if in_steps else 1.0
+        estimate = mean(evidence, environment, task, method, measure)
+        return above(text, estimate, 0.0, "steps" if in_steps else "", scale)
+    if BY_NAME[measure].can_miss:
+        estimate = probability_of_being_quicker(evidence, environment, task, method, BASE)
+        return above(f"{text}, probability of being quicker", estimate, 0.5)
+    estimate = saved(evidence, environment, task, method, BASE, measure)
+    return above(f"{text}, saved", estimate, 0.0, "steps", level(evidence, environment, task, BASE, measure))
+
+
+def improves_together(evidence: Evidence, environment: str, method: str, measure: str) -> Part:
+    """Return the part that claims that the method improves a measure, all tasks with something to transfer together.
+
+    Steps and episodes are added up over the tasks, seed by seed, before the method is compared with no transfer. A seed
+    that never reaches the threshold of one task comes last.
+    """
+    chosen = BY_NAME[measure]
+    metric = chosen.saves or measure
+    text = f"tasks {TRANSFER_TASKS[0]} to {TRANSFER_TASKS[-1]} together, {method}, {label(measure)}"
+    if chosen.can_miss:
+        own, base = (
+            np.sum([evidence.values(environment, task, name, measure) for task in TRANSFER_TASKS], axis=0)
+            for name in (method, BASE)
+        )
+        own, base = (np.nan_to_num(episodes, nan=np.inf) for episodes in (own, base))
+        generator = named_generator(environment, "together", method, measure)
+        estimate = statistics.probability_of_improvement(own, base, "lower", evidence.how, generator)
+        return above(f"{text}, probability of being quicker", estimate, 0.5)
+    pairs = [evidence.pair((environment, task, method), (environment, task, BASE), metric) for task in TRANSFER_TASKS]
+    if len({len(own) for own, _ in pairs}) > 1:
+        raise Lacking(f"{environment}: the tasks of method {method} have different seeds")
+    own, base = np.sum(pairs, axis=0)
+    generator = named_generator(environment, "together", method, measure)
+    if chosen.unit != "steps":
+        return above(text, statistics.ratio_of_means(base - own, base, evidence.how, generator), 0.0)
+    estimate = statistics.mean_difference(base, own, evidence.how, generator)
+    return above(f"{text}, saved", estimate, 0.0, "steps", float(base.mean()))
+
+
+def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK) -> Part:
+    """Return the part that claims that the method needs fewer steps than another by a measure."""
+    estimate = saved(evidence, environment, task, method, other, metric)
+    scale = level(evidence, environment, task, other, metric)
+    return above(f"task {task}, {label(metric)}, {other} minus {method}", estimate, 0.0, "steps", scale)
+
+
+def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task: str = LAST_TASK) -> Iterator[Part]:
+    """Yield the parts that claim that PTL reaches the threshold sooner than another method, in far fewer episodes."""
+    quicker = probability_of_being_quicker(evidence, environment, task, PTL, other)
+    yield above(f"task {task}, probability that {PTL} is quicker than {other}", quicker, 0.5)
+    times = times_as_many_episodes(evidence, environment, task, PTL, other)
+    yield above(f"task {task}, episodes of {other} over those of {PTL}", times, FAR, "times")
+
+
+def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
+    """Return the part that claims that most runs are hits."""
+    return above(f"{text}, share of runs", share(evidence, hits), MOST)
+
+
+def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
+    """Return the part that claims that the method reaches the threshold within some episodes."""
+    episodes = mean_episodes(evidence, environment, task, method)
+    return below(f"task {task}, {method}, episodes to the threshold", episodes, bound, "episodes")
+
+
+# -- notes ---------------------------------------------------------------------------------------------------
+
+
+def elsewhere(
+    evidence: Evidence, environment: str, metric: str, cases: Iterable[tuple[str, str]] | None = None
+) -> Iterator[str]:
+    """Note the steps that PTL saves on the other tasks, and its variants on the last one; gaps are left out."""
+    cases = cases or [
+        *((PTL, task) for task in TRANSFER_TASKS[:-1]),
+        (SUPERVISED, LAST_TASK),
+        (UNKNOWN, LAST_TASK),
+    ]
+    found = []
+    for method, task in cases:
+        try:
+            own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
+        except Lacking:
+            continue
+        found.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
+    if found:
+        yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(found)}"
+
+
+def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
+    """Note the number of seeds that never reach the threshold and so enter means with the length of the task."""
+    found = []
+    for method in methods:
+        missing = int(np.isnan(evidence.values(environment, task, method, "threshold_episode")).sum())
+        if missing:
+            found.append(f"{method} {missing}")
+    if found:
+        yield f"seeds that never reach the threshold, counted with all their episodes: {', '.join(found)}"

@@ -1,0 +1,254 @@
+"""Everything that verdicts rest on: measures, curves, subgoals, maps and tables of one run, in memory.
+
+Claims use this object alone, so that the main run and the settings of the robustness study are judged by the same
+code. Anything absent, or from too few seeds, raises `Lacking`, which makes a claim undecided, not wrong.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ptl.files.tables import read_table
+from ptl.measures.exact import first_episode_without_transfer
+from ptl.measures.growth import read_sizes
+from ptl.measures.library_cost import read_selection, read_storage
+from ptl.measures.measure_files import read_steps
+from ptl.measures.measures import BASE, BY_NAME, PER_SEED, SUBGOAL_COLUMNS, Names
+from ptl.measures.statistics import Resampling, read_per_seed
+from ptl.world.gridworld import GridWorld
+
+SEEDS_NEEDED = 10
+"""Fewer runs than this decide nothing: the bootstrap of fewer values gives intervals that are too narrow."""
+
+
+class Lacking(Exception):
+    """A run lacks something that a claim needs; the message names it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evidence:
+    """The results of one run.
+
+    Attributes
+    ----------
+    per_seed, subgoals : DataFrame
+        As in `ptl.measures.measures.Measurements`; the subgoals are optional.
+    worlds : mapping of str to GridWorld
+        The map of each environment.
+    how : Resampling
+        Level and number of resamples of every interval.
+    window : int
+        Episodes of a block in which curves are compared (``measures.window``).
+    breakpoint : int
+        Number of tasks at which the growth of the library bends (``growth.breakpoint``).
+    steps : mapping, optional
+        (environment, method, task) to int array (seeds, episodes).
+    growth : array, optional
+        Size of the library after 0, 1, ... tasks, (runs, tasks + 1).
+    selection_cost, library_bytes : DataFrame, optional
+        As in `ptl.measures.library_cost`.
+    exact : bool
+        Compare first episodes with the exact expectation of those without transfer instead of their mean.
+    """
+
+    per_seed: pd.DataFrame
+    worlds: Mapping[str, GridWorld]
+    how: Resampling
+    window: int
+    breakpoint: int
+    steps: Mapping[Names, np.ndarray] | None = None
+    subgoals: pd.DataFrame | None = None
+    growth: np.ndarray | None = None
+    selection_cost: pd.DataFrame | None = None
+    library_bytes: pd.DataFrame | None = None
+    exact: bool = False
+
+    # -- measures ------------------------------------------------------------------------------------------
+
+    def values(self, environment: str, task: str, method: str, metric: str) -> np.ndarray:
+        """Return a measure of every seed in ascending order, float array (seeds,); NaN: never reached."""
+        return self._series(environment, task, method, metric).to_numpy()
+
+    def pair(
+        self, first: tuple[str, str, str], second: tuple[str, str, str], metric: str
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return a measure of two (environment, task, method) at the seeds that both have, two arrays (seeds,)."""
+        one, other = self._series(*first, metric), self._series(*second, metric)
+        common = one.index.intersection(other.index)
+        _check_number(len(common), f"{' '.join(first)} and {' '.join(second)}")
+        return one[common].to_numpy(), other[common].to_numpy()
+
+    def _series(self, environment: str, task: str, method: str, metric: str) -> pd.Series:
+        series = self._frame(environment, task, method)[metric]
+        if BY_NAME[metric].saves and series.isna().any():
+            raise Lacking(f"{environment}: method {BASE}, the base of {metric}, is not in this run")
+        return series
+
+    def _frame(self, environment: str, task: str, method: str) -> pd.DataFrame:
+        frame = self._frames.get((environment, task, method))
+        if frame is None:
+            if environment not in {e for e, _, _ in self._frames}:
+                raise Lacking(f"environment {environment} is not in this run")
+            if (environment, method) not in {(e, m) for e, _, m in self._frames}:
+                raise Lacking(f"{environment}: method {method} is not in this run")
+            raise Lacking(f"{environment}: task {task} of method {method} is not in this run")
+        _check_number(len(frame), f"{environment} {task} {method}")
+        return frame
+
+    @cached_property
+    def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
+        columns = [measure.name for measure in PER_SEED]
+        frames = {}
+        for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"]):
+            frame = part.set_index("seed")[columns].astype(float).sort_index()
+            if self.exact and environment in self.worlds:
+                expected = self._expected_first(str(environment), str(task))
+                if method == BASE:
+                    frame["first_episode"] = expected
+                frame["jump_start"] = expected - frame["first_episode"]
+            frames[str(environment), str(task), str(method)] = frame
+        return frames
+
+    def _expected_first(self, environment: str, task: str) -> float:
+        world = self.worlds[environment]
+        key = (environment, task)
+        if key not in self._expectations:
+            self._expectations[key] = first_episode_without_transfer(world, world.goal(task))
+        return self._expectations[key]
+
+    @cached_property
+    def _expectations(self) -> dict[tuple[str, str], float]:
+        return {}
+
+    def n_seeds(self) -> int:
+        """Return the number of seeds of the run."""
+        return int(self.per_seed["seed"].nunique())
+
+    # -- everything else -----------------------------------------------------------------------------------
+
+    def curve(self, environment: str, method: str, task: str) -> np.ndarray:
+        """Return the steps per episode, int array (seeds, episodes)."""
+        self._frame(environment, task, method)
+        if self.steps is None or (environment, method, task) not in self.steps:
+            raise Lacking(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
+        return self.steps[environment, method, task]
+
+    def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
+        """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""
+        found = [self.curve(environment, method, task) for method in methods]
+        seeds = [self._frame(environment, task, method).index for method in methods]
+        common = seeds[0].intersection(seeds[1])
+        _check_number(len(common), f"{environment} {task} {' and '.join(methods)}")
+        one, other = (curve[own.isin(common)] for curve, own in zip(found, seeds, strict=True))
+        if one.shape != other.shape:
+            raise Lacking(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
+        return one, other
+
+    def world(self, environment: str) -> GridWorld:
+        """Return the map of an environment."""
+        if environment not in self.worlds:
+            raise Lacking(f"environment {environment} is not in this run")
+        return self.worlds[environment]
+
+    def goal(self, environment: str, letter: str) -> int:
+        """Return the state of a goal letter."""
+        world = self.world(environment)
+        if letter not in world.goals:
+            raise Lacking(f"environment {environment} has no goal {letter}")
+        return world.goal(letter)
+
+    def peaks(self, environment: str, method: str, task: str, metric: str) -> np.ndarray:
+        """Return the state where a metric ("incremental" or "original") is greatest, int array (seeds,)."""
+        return self._subgoal_rows(environment, method, task)[f"{metric}_peak"].to_numpy()
+
+    def stored(self, environment: str, method: str, task: str) -> np.ndarray:
+        """Return the state that the library took up after a task, -1 for none, int array (seeds,)."""
+        return self._subgoal_rows(environment, method, task)["subgoal"].to_numpy()
+
+    def _subgoal_rows(self, environment: str, method: str, task: str) -> pd.DataFrame:
+        rows = self._subgoal_frames.get((environment, method, task))
+        if rows is None:
+            raise Lacking(f"{environment}: subgoals of {method}, task {task}, are not in this run")
+        _check_number(len(rows), f"{environment} {task} {method}")
+        return rows
+
+    @cached_property
+    def _subgoal_frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
+        return {
+            (str(environment), str(method), str(task)): rows.sort_values("seed")
+            for (environment, method, task), rows in self.needed("subgoals").groupby(["environment", "method", "task"])
+        }
+
+    def needed(self, name: str) -> Any:
+        """Return the attribute of this name, which must not be absent or empty."""
+        found = getattr(self, name)
+        if found is None or len(found) == 0:
+            raise Lacking(f"{name.replace('_', ' ')}: not in this run")
+        return found
+
+
+def _check_number(seeds: int, name: str) -> None:
+    if seeds < SEEDS_NEEDED:
+        raise Lacking(f"{name}: {seeds} seeds, fewer than the {SEEDS_NEEDED} that a verdict needs")
+
+
+# -- from files ---------------------------------------------------------------------------------------------
+
+
+def settings_of(groups: Any) -> dict[str, Any]:
+    """Return the settings of `Evidence` from the groups measures, statistics and growth of the configuration.
+
+    Parameters
+    ----------
+    groups : namespace
+        Groups of the configuration as attributes, with their keys as attributes.
+    """
+    return {
+        "how": Resampling(groups.statistics.confidence, groups.statistics.resamples),
+        "window": groups.measures.window,
+        "breakpoint": groups.growth.breakpoint,
+    }
+
+
+def read_evidence(
+    worlds: Mapping[str, GridWorld],
+    groups: Any,
+    *,
+    per_seed: str | Path,
+    steps: str | Path | None = None,
+    subgoals: str | Path | None = None,
+    growth: str | Path | None = None,
+    selection_cost: str | Path | None = None,
+    library_bytes: str | Path | None = None,
+) -> Evidence:
+    """Read a run's files; those left out make the claims that need them undecided.
+
+    Parameters
+    ----------
+    worlds : mapping of str to GridWorld
+    groups : namespace
+        See `settings_of`.
+    per_seed, steps, subgoals, growth, selection_cost, library_bytes : paths
+
+    Raises
+    ------
+    UserError
+        When a file is missing, unreadable or lacks a column.
+    """
+    return Evidence(
+        per_seed=read_per_seed(per_seed),
+        worlds=worlds,
+        steps=None if steps is None else read_steps(steps),
+        subgoals=None if subgoals is None else read_table(subgoals, SUBGOAL_COLUMNS),
+        growth=None if growth is None else read_sizes(growth),
+        selection_cost=None if selection_cost is None else read_selection(selection_cost),
+        library_bytes=None if library_bytes is None else read_storage(library_bytes),
+        **settings_of(groups),
+    )

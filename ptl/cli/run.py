@@ -1,0 +1,27 @@
+"""``ptl run``: one job of the workflow."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+
+@click.command()
+@click.option("--job", "text", required=True, help="The job as JSON, as the workflow passes it.")
+@click.option("--map", "maps", multiple=True, help="ENVIRONMENT=FILE: the map of an environment.")
+@click.option("--output", required=True, type=click.Path(path_type=Path), help="HDF5 file to write.")
+def command(text: str, maps: tuple[str, ...], output: Path) -> None:
+    """Do the work that a job describes, and write its result file."""
+    from ptl.jobs.kinds import job_from
+    from ptl.cli._progress import shown
+    from ptl.errors import UserError
+    from ptl.files import store
+    from ptl.world.gridworld import load_map, map_digest
+
+    job = job_from(text)
+    worlds = {name: load_map(path) for name, _, path in (given.partition("=") for given in maps)}
+    for name, digest in job.maps.items():
+        if name in worlds and map_digest(worlds[name].text) != digest:
+            raise UserError(f"--map: {name}: is not the map of the job; it was changed during the run, so run it again")
+    store.write(output, job, job.run(worlds, lambda parts: shown(parts, "Working")), worlds)

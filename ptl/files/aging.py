@@ -1,0 +1,85 @@
+"""Files that do not belong to a run are made to look old when it is planned, so that Snakemake makes them again.
+
+Snakemake decides by times and by what it remembers. Both can be lost: folders are copied, `.snakemake` is removed,
+clocks are wrong. A result says which job made it, and `made.json` in the folder of results says which products belong to
+it; what does not fit gets the time 0 and counts as older than everything that it is made from.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from ptl.files.atomic import write_text
+from ptl.files.job import Job, digest_of_text, packed
+from ptl.files.manifest import products_in
+from ptl.files.regular import NotReadable, sha256
+from ptl.files.store import digest_in
+
+MADE = "made.json"
+"""File in results/<run>/ that says what the products of the run were made from."""
+
+MEMORY = Path(".snakemake/metadata")
+"""Where Snakemake remembers parameters and code."""
+
+
+def age_results(folder: Path, jobs: Iterable[Job]) -> None:
+    """Age the result files that other jobs have made; ``folder`` is results/<run>/."""
+    for job in jobs:
+        path = folder / job.place
+        if (found := digest_in(path)) is not None and found != job.digest:
+            _age(path)
+
+
+def age_products(results: Path, reports: Path, asked: Any, code: Any) -> None:
+    """Age the products in a report folder that were not made from the present configuration, maps and code.
+
+    Parameters
+    ----------
+    results, reports : path
+        results/<run>/ and reports/<run>/.
+    asked, code
+        What decides the products, as JSON can hold it. Other code counts only if Snakemake remembers nothing, because
+        it knows better which products depend on it.
+    """
+    known = _made(results)
+    fits = known.get("asked") == digest(asked) and (MEMORY.is_dir() or known.get("code") == digest(code))
+    products = known.get("products", {}) if fits else dict.fromkeys(products_in(reports), "")
+    for name, checksum in products.items():
+        path = reports / name
+        with suppress(NotReadable):
+            if sha256(path) != checksum:
+                _age(path)
+
+
+def write_made(path: str | Path, asked: Any, code: Any, jobs: Iterable[Job], products: Mapping[str, str]) -> None:
+    """Write `MADE`; ``jobs`` are those of the run, ``products`` checksums by path below the report folder."""
+    content = {"asked": digest(asked), "code": digest(code), "jobs": packed(jobs), "products": dict(products)}
+    write_text(path, json.dumps(content, indent=1) + "\n")
+
+
+def jobs_of_run(results: Path) -> str:
+    """Return the jobs of the finished run in results/<run>/ as they were packed, empty if there is no such run."""
+    return str(_made(results).get("jobs", ""))
+
+
+def digest(value: Any) -> str:
+    """Return a digest of what JSON can hold."""
+    return digest_of_text(json.dumps(value, sort_keys=True))
+
+
+def _made(results: Path) -> dict[str, Any]:
+    try:
+        found = json.loads((results / MADE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) and isinstance(found.get("products"), dict) else {}
+
+
+def _age(path: Path) -> None:
+    with suppress(OSError):
+        os.utime(path, (0, 0))

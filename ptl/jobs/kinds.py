@@ -1,0 +1,37 @@
+"""All kinds of jobs: those of the package, and those of the studies beside it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+import msgspec
+
+import ptl.jobs  # noqa: F401 - registers its kinds
+from ptl.files.job import KINDS, Job, from_text, lines_of
+from ptl.files.provenance import ROOT
+
+
+class _Tagged(msgspec.Struct):
+    kind: str = ""
+
+
+def job_from(text: str | bytes) -> Job:
+    """Return the job that a text describes; errors as in `ptl.files.job.from_text`."""
+    try:
+        known = msgspec.json.decode(text, type=_Tagged).kind in KINDS
+    except msgspec.MsgspecError:
+        known = True  # `from_text` says what is wrong
+    if not known:
+        register_studies()
+    return from_text(text)
+
+
+def unpacked(text: str) -> list[Job]:
+    """Return the jobs of `ptl.files.job.packed`."""
+    return [job_from(line) for line in lines_of(text)]
+
+
+def register_studies() -> None:
+    """Make the kinds of jobs of all studies known."""
+    for path in sorted((ROOT / "studies").glob("*/jobs.py")):
+        import_module(f"studies.{path.parent.name}.jobs")

@@ -1,0 +1,161 @@
+"""From the files of lives to a row for each life, and for each of its tasks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pandas as pd
+
+from ptl import methods
+from ptl.config import Parameters
+from ptl.errors import UserError
+from ptl.files.arrays import read_arrays
+from ptl.files.remedies import make_again
+from ptl.files.schema import LIVES
+from ptl.files.tables import COUNT, read_table
+from studies.beyond.design import MAIN, Study
+from studies.beyond.methods import reference
+from studies.beyond.population import BANDS, read_population
+from studies.beyond.running import Cell
+
+KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
+TASK_COLUMNS = (
+    *KEYS, "task", "steps", "first_episode", "optimum", "truncated", "library_size", "states", "winding",
+)  # fmt: skip
+"""``task`` counts from 1; ``optimum`` is episodes x shortest path; ``library_size`` is that after the task."""
+
+LIFE_COLUMNS = ("family", "map", "size", "sequence", "method", "seed", "total_steps", "optimum", "library_size")
+"""Columns of ``per_life.csv``: steps and optimum are those of the tasks after the first."""
+
+
+def per_task(paths: Iterable[str | Path]) -> pd.DataFrame:
+    """Return a row for each task of each life, columns `TASK_COLUMNS`.
+
+    ``size`` is the wanted number of states of a generated map and the number of states of a given one.
+
+    Raises
+    ------
+    UserError
+        When a file is missing, damaged or of another kind.
+    """
+    frames = [_rows(path) for path in paths]
+    return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(TASK_COLUMNS))
+
+
+def _rows(path: str | Path) -> pd.DataFrame:
+    arrays, origin = read_arrays(path, LIVES)
+    job = origin["job"]
+    try:
+        cell = msgspec.convert(job["cell"], Cell)
+    except msgspec.ValidationError as error:
+        raise UserError(f"{path}: holds a job that cannot be right ({error}); {make_again(path)}") from error
+    episodes = Parameters.from_dict(job["parameters"]).learning.episodes
+    shape = arrays["steps"].shape
+    maps, seeds = shape[:2]
+    if (maps, seeds) != (len(cell.maps), cell.seeds):
+        raise UserError(f"{path}: holds {maps} x {seeds} lives, not those of its job; {make_again(path)}")
+    places = [place if cell.size else Path(str(place)).stem for place in cell.maps]
+    of_map, of_seed, of_task = (index.ravel() for index in np.indices(shape))
+    return pd.DataFrame(
+        {
+            "family": cell.family,
+            "map": np.array(places, dtype=object).astype(str)[of_map],
+            "size": cell.size or arrays["states"][of_map],
+            "sequence": cell.sequence,
+            "method": methods.identifier(reference(cell.method)),
+            "per_task": cell.per_task,
+            "seed": of_seed,
+            "task": of_task + 1,
+            "steps": arrays["steps"].ravel(),
+            "first_episode": arrays["first"].ravel(),
+            "optimum": (episodes * arrays["shortest"])[of_map, of_task],
+            "truncated": arrays["truncated"].ravel(),
+            "library_size": arrays["library_size"].ravel(),
+            "states": arrays["states"][of_map],
+            "winding": arrays["winding"][of_map],
+        },
+        columns=list(TASK_COLUMNS),
+    )
+
+
+def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each life of a method as it is, columns `LIFE_COLUMNS`; the sums leave out the first task.
+
+    The first task is the same for all methods that need a library or a memory, which is empty then.
+    """
+    later = tasks[(tasks["task"] > 1) & (tasks["per_task"] == 0)]
+    grouped = later.groupby([name for name in KEYS if name != "per_task"], sort=False)
+    return grouped.agg(
+        total_steps=("steps", "sum"), optimum=("optimum", "sum"), library_size=("library_size", "last")
+    ).reset_index()[list(LIFE_COLUMNS)]
+
+
+def read_tasks(path: str | Path) -> pd.DataFrame:
+    """Read the table of `per_task` back."""
+    frame = read_table(path, TASK_COLUMNS)
+    frame["task"] = pd.to_numeric(frame["task"], errors="coerce")  # a number here, a letter elsewhere
+    if not COUNT.hold(frame["task"]):
+        raise UserError(f"{path}: column 'task' must hold {COUNT}; {make_again(path)}")
+    return frame
+
+
+def read_lives(path: str | Path) -> pd.DataFrame:
+    """Read ``per_life.csv`` or a table of the same columns that another program has written.
+
+    Raises
+    ------
+    UserError
+        When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
+    """
+    frame = read_table(path, LIFE_COLUMNS)
+    for wrong, what in (
+        (frame.duplicated(["family", "map", "size", "sequence", "method", "seed"]), "is there twice; give it once"),
+        (frame["optimum"] <= 0, "has no optimum; give episodes x shortest paths of the tasks after the first"),
+        (frame["total_steps"] < frame["optimum"], "has fewer steps than the optimum; check how both are counted"),
+    ):
+        if wrong.any():
+            row = frame[wrong].iloc[0]
+            life = f"family {row['family']}, map {row['map']}, method {row['method']}, seed {row['seed']}"
+            raise UserError(f"{path}: the life of {life} {what}")
+    return frame[list(LIFE_COLUMNS)]
+
+
+def foreign_lives(study: Study) -> pd.DataFrame:
+    """Return the lives of methods that the study does not run, on the maps that it does.
+
+    Raises
+    ------
+    UserError
+        When a file is at fault, names a method twice, or counts another optimum than the table of maps says.
+    """
+    found = pd.DataFrame(columns=list(LIFE_COLUMNS))
+    taken = {methods.identifier(reference(name)): "methods" for name in study.methods}
+    episodes = study.learning.episodes
+    shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population(study.population)}
+    for path in study.foreign_lives:
+        lives = read_lives(path)
+        first = BANDS[study.band]
+        places = [str(seed) for seed in range(first, first + study.maps)]
+        generated = lives["family"].isin(study.families) & lives["map"].isin(places) & (lives["size"] == study.size)
+        lives = lives[
+            (generated & (lives["seed"] < study.seeds) & lives["sequence"].isin([MAIN, *study.sequences.names]))
+            | (lives["family"].isin(study.article_maps) & (lives["seed"] < study.article_seeds))
+        ]
+        if lives.empty:
+            raise UserError(f"{path}: holds no life on the maps of this study")
+        for name in dict.fromkeys(lives["method"]):
+            if name in taken:
+                raise UserError(f"{path}: method {name} is in {taken[name]} already; give it another name")
+            taken[name] = str(path)
+        for row in lives[lives["sequence"] == MAIN].drop_duplicates(["family", "map"]).itertuples():
+            wanted = episodes * shortest[row.family, row.map, row.size]
+            if row.optimum != wanted:
+                raise UserError(
+                    f"{path}: the optimum of family {row.family}, map {row.map} is {row.optimum}, where {episodes}"
+                    f" episodes give {wanted}; use the same maps, tasks and episodes"
+                )
+        found = pd.concat([found, lives], ignore_index=True) if len(found) else lives
+    return found

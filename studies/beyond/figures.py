@@ -1,0 +1,199 @@
+"""The figures of the second study. Each function draws a frame of `studies.beyond.summary`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ptl.report.figures import style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANELS = 3
+"""Panels in a row."""
+
+TICKS = [1, 2, 5, 10, 20, 50, 100, 200, 500]
+
+
+@dataclass(frozen=True)
+class Look:
+    """How a method is shown."""
+
+    label: str
+    colour: str
+    dashed: bool = False
+
+
+def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], legend: float = 0.0) -> tuple:
+    rows = -(-len(families) // PANELS)
+    columns = min(PANELS, len(families))
+    figure = style.new_figure(style.SLIDE_WIDTH, height * rows + legend)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    axes = dict(zip(families, grid.flat, strict=False))
+    for family, ax in axes.items():
+        ax.set_title(titles[family], fontsize=15)
+    for ax in list(grid.flat)[len(families) :]:
+        ax.set_visible(False)
+    return figure, axes, grid
+
+
+def _cost_axis(ax: Axes, axis: str, low: float, high: float) -> None:
+    ticks = [tick for tick in TICKS if low / 1.3 <= tick <= high * 1.3]
+    getattr(ax, f"set_{axis}scale")("log")
+    getattr(ax, f"set_{axis}ticks")(ticks, [f"{tick:g}" for tick in ticks])
+    getattr(ax, f"{axis}axis").minorticks_off()
+    getattr(ax, f"set_{axis}lim")(low / 1.15, high * 1.15)
+
+
+def _label_sides(grid: np.ndarray, families: Sequence[str], x: str, y: str) -> None:
+    columns = grid.shape[1]
+    for index, ax in enumerate(grid.flat):
+        below = index + columns < len(families)
+        if index < len(families):
+            ax.set_xlabel("" if below else x, fontsize=14)
+            ax.tick_params(labelbottom=not below)
+        if index % columns == 0:
+            ax.set_ylabel(y, fontsize=14)
+
+
+def _legend(figure: Figure, ax: Axes, columns: int = 4) -> None:
+    handles, labels = ax.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, fontsize=12.5, handlelength=1.8)
+
+
+def _curves(
+    frame: pd.DataFrame,
+    x: str,
+    looks: Mapping[str, Look],
+    titles: Mapping[str, str],
+    value: str,
+    finish: Callable[[Axes], None],
+    labels: tuple[str, str],
+) -> Figure:
+    """Draw one panel a family with a curve and its interval for each method."""
+    families = list(dict.fromkeys(frame["family"]))
+    shown = [method for method in looks if method in set(frame["method"])]
+    figure, axes, grid = _panels(families, 3.0, titles, legend=0.35 * -(-len(shown) // 4) + 0.3)
+    for family, ax in axes.items():
+        for method in shown:
+            part = frame[(frame["family"] == family) & (frame["method"] == method)].sort_values(x)
+            look = looks[method]
+            ax.fill_between(part[x], part["low"], part["high"], color=look.colour, alpha=0.15, linewidth=0)
+            ax.plot(
+                part[x], part[value], color=look.colour, label=look.label, linestyle="--" if look.dashed else "-",
+                linewidth=2,
+            )  # fmt: skip
+        finish(ax)
+    _label_sides(grid, families, *labels)
+    _legend(figure, axes[families[0]])
+    return figure
+
+
+@style.styled
+def overview(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw the cost of every method, one panel a family."""
+    families = list(dict.fromkeys(costs["family"]))
+    methods = [method for method in looks if method in set(costs["method"])]
+    figure, axes, grid = _panels(families, 0.28 * len(methods) + 0.8, titles)
+    for family, ax in axes.items():
+        own = costs[costs["family"] == family].set_index("method").reindex(methods)
+        places = np.arange(len(methods))[::-1]
+        colours = [looks[method].colour for method in methods]
+        ax.hlines(places, own["low"], own["high"], color=colours, linewidth=4, alpha=0.35)
+        ax.scatter(own["cost"], places, color=colours, s=42, zorder=3)
+        _cost_axis(ax, "x", 1.0, costs[["cost", "high"]].max().max())
+        ax.set_yticks(places, [looks[method].label for method in methods], fontsize=11.5)
+        ax.grid(axis="y", visible=False)
+    _label_sides(grid, families, "cost, × optimum", "")
+    return figure
+
+
+@style.styled
+def library_size(frame: pd.DataFrame, costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str],
+                 lines: Iterable[str], points: Iterable[str]) -> Figure:  # fmt: skip
+    """Draw the cost against the size of the library: a curve for each finder.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As `by_library_size` makes it.
+    costs : DataFrame
+        Not used for curves; gives the families their order.
+    lines, points : methods
+        Methods without a library, drawn as lines across, and methods whose library has a size of its own.
+    """
+    families = [family for family in dict.fromkeys(costs["family"]) if family in set(frame["family"])]
+    curves = [method for method in looks if method in set(frame.loc[frame["per_task"] > 0, "method"])]
+    figure, axes, grid = _panels(families, 3.1, titles, legend=1.1)
+    for family, ax in axes.items():
+        own = frame[frame["family"] == family]
+        for method in curves:
+            part = own[(own["method"] == method) & (own["per_task"] > 0)].sort_values("library_size")
+            look = looks[method]
+            ax.fill_between(part["library_size"], part["low"], part["high"], color=look.colour, alpha=0.15, linewidth=0)
+            ax.plot(part["library_size"], part["cost"], color=look.colour, marker="o", markersize=5, label=look.label)
+        as_is = own[own["per_task"] == 0].set_index("method")
+        for method in (method for method in points if method in as_is.index):
+            look, row = looks[method], as_is.loc[method]
+            ax.errorbar(
+                row["library_size"], row["cost"], yerr=[[row["cost"] - row["low"]], [row["high"] - row["cost"]]],
+                color=look.colour, marker="D" if method in curves else "s", markersize=8, markeredgecolor="white",
+                linestyle="none", label=f"{look.label}, as it is" if method in curves else look.label,
+            )  # fmt: skip
+        for method in (method for method in lines if method in as_is.index):
+            ax.axhline(as_is.loc[method, "cost"], color=looks[method].colour, linestyle="--", linewidth=1.8,
+                       label=f"{looks[method].label} (no library)")  # fmt: skip
+        ax.set_xscale("log")
+        ax.set_xticks([1, 3, 10, 30, 100, 300], ["1", "3", "10", "30", "100", "300"])
+        ax.minorticks_off()
+        _cost_axis(ax, "y", 1.0, frame["cost"].max())
+    _label_sides(grid, families, "skills in the library", "cost, × optimum")
+    _legend(figure, axes[families[0]], 3)
+    return figure
+
+
+@style.styled
+def profile(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw performance profiles: the share of lives within each multiple of the optimum."""
+
+    def finish(ax: Axes) -> None:
+        _cost_axis(ax, "x", 1.0, 100.0)
+        ax.set_ylim(-0.02, 1.02)
+
+    return _curves(frame, "threshold", looks, titles, "share", finish, ("τ, × optimum", "share of lives ≤ τ"))
+
+
+@style.styled
+def tasks(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw the cost of each task in its place of the life."""
+
+    def finish(ax: Axes) -> None:
+        _cost_axis(ax, "y", 1.0, frame["cost"].max())
+        ax.set_xticks(range(1, int(frame["task"].max()) + 1))
+
+    return _curves(frame, "task", looks, titles, "cost", finish, ("task", "cost, × optimum"))
+
+
+@style.styled
+def winding(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw the cost on each map against its winding, one panel a method, one colour a family."""
+    methods = [method for method in looks if method in set(frame["method"])]
+    figure, axes, grid = _panels(methods, 2.9, {method: looks[method].label for method in methods}, legend=0.6)
+    families = list(dict.fromkeys(frame["family"]))
+    for method, ax in axes.items():
+        for family, colour in zip(families, style.CATEGORIES * 2, strict=False):
+            part = frame[(frame["family"] == family) & (frame["method"] == method)]
+            ax.scatter(part["winding"], part["cost"], s=14, color=colour, alpha=0.6, linewidth=0, label=titles[family])
+        _cost_axis(ax, "y", 1.0, frame["cost"].max())
+        ax.set_xscale("log")
+        ax.set_xticks([1, 1.5, 2, 3, 4], ["1", "1.5", "2", "3", "4"])
+        ax.minorticks_off()
+    _label_sides(grid, methods, "winding (path ÷ straight line)", "cost, × optimum")
+    _legend(figure, axes[methods[0]], 6)
+    return figure

@@ -1,0 +1,405 @@
+"""The page of the second study: answers that follow from the estimates, figures and tables."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from ptl import methods
+from ptl.methods import beyond
+from ptl.report.table import Cell, Column, Group, Row, Table, text_table
+from ptl.report.templating import render
+from ptl.text import MISSING, interval, number, percent
+from studies.beyond.design import MAIN, Study, shown
+from studies.beyond.figures import Look
+from studies.beyond.summary import BASE
+
+FAMILY_TITLES = {
+    "chain": "Chain of rooms",
+    "rooms": "Random rooms",
+    "maze": "Perfect maze",
+    "braided": "Braided maze",
+    "cave": "Cave",
+    "ground": "Open ground",
+    "moving_ai": "Moving AI maps",
+}
+
+NO_TRANSFER = "no_transfer"
+
+FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "ptl_covering")
+"""PTL whose subgoals come from elsewhere; all else is as in `ptl`."""
+
+RIVALS = ("optimistic", "maxqinit", "optimistic_fast", "rmax", "rmax_memory")
+"""Baselines without skills."""
+
+OURS = ("ptl_path_prior", "ptl_frontier", "ptl_frontier_path", "frontier_only")
+"""Proposals of ours and their control."""
+
+CURVES = (
+    "no_transfer", "ptl", "ptl_random_state", "ptl_farthest", "all_goals", "ptl_frontier", "optimistic_fast",
+    "rmax_memory",
+)  # fmt: skip
+"""Methods in figures with curves; all of them would hide each other."""
+
+NOTHING, COORDINATES = "nothing", "its coordinates"
+CERTAIN = "yes"
+SKILLS = "subgoals and policies of the library"
+TRANSITIONS = "all transitions ever seen"
+
+KNOWLEDGE: dict[str, tuple[str, str, str]] = {
+    "no_transfer": (NOTHING, "no", NOTHING),
+    "ptl": (COORDINATES, "for skills", SKILLS),
+    "ptl_supervised": ("the whole map (supervisor)", "for skills", SKILLS),
+    "ptl_original_fd": (COORDINATES, "for skills", SKILLS),
+    "ptl_random_state": (COORDINATES, "for skills", SKILLS),
+    "ptl_goal": (COORDINATES, "for skills", SKILLS),
+    "ptl_farthest": (COORDINATES, "for skills", SKILLS),
+    "ptl_covering": (COORDINATES, "for skills", SKILLS),
+    "all_goals": (COORDINATES, "for skills", TRANSITIONS),
+    "ptl_path_prior": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
+    "ptl_frontier": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
+    "ptl_frontier_path": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
+    "frontier_only": (COORDINATES, "for skills", TRANSITIONS),
+    "optimistic": (NOTHING, "no", NOTHING),
+    "maxqinit": (NOTHING, "no", "greatest value of each tried action"),
+    "optimistic_fast": (NOTHING, CERTAIN, NOTHING),
+    "rmax": (NOTHING, CERTAIN, NOTHING),
+    "rmax_memory": ("its state, if seen before", CERTAIN, TRANSITIONS),
+}
+"""What a method is told of the goal, whether it relies on moves being certain, and what it keeps from task to task."""
+
+ORDER = tuple(KNOWLEDGE)
+"""Methods in the order in which figures and tables show them; those of other people come after them."""
+
+
+OTHER_COLOURS = ("#000000", "#7f3b08", "#003c30", "#40004b")
+"""Colours of methods that only a table names, one after another."""
+
+
+def looks_of(study: Study, names: Iterable[str]) -> dict[str, Look]:
+    """Return how each method is shown, by identifier: those of the study first, then others that ``names`` has."""
+    built_in = (*methods.names(), *beyond.names())
+    references = methods.by_identifier(map(beyond.reference, study.methods))
+    others = [name for name in dict.fromkeys(names) if name not in references]
+    order = {name: place for place, name in enumerate(dict.fromkeys((*ORDER, *references, *others)))}
+    colours = itertools.cycle(OTHER_COLOURS)
+    looks = {}
+    for name in sorted({*references, *others}, key=order.__getitem__):
+        if name in references or name in built_in:
+            kind = methods.load(references.get(name) or beyond.reference(name))
+            label, colour = kind.label, kind.colour
+        else:
+            label, colour = name.replace("_", " ").capitalize(), next(colours)
+        looks[name] = Look(label, colour, dashed=name not in KNOWLEDGE or name in RIVALS)
+    return looks
+
+
+def titles_of(families: Iterable[str], entries: Iterable[str]) -> dict[str, str]:
+    """Return the names of families as readers see them; families of the article's maps say so."""
+    article = set(entries)
+    return {
+        family: f"Article’s {family}" if family in article else FAMILY_TITLES.get(family, family) for family in families
+    }
+
+
+def in_figures(looks: Mapping[str, Look]) -> dict[str, Look]:
+    """Return the methods that figures with curves show: those of `CURVES` and those of other people."""
+    return {name: look for name, look in looks.items() if name in CURVES or name not in KNOWLEDGE}
+
+
+# -- sentences -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A method against another one over the generated families."""
+
+    ratios: pd.DataFrame  # family, ratio, ratio_low, ratio_high
+    less: int = field(init=False)
+    more: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "less", int((self.ratios["ratio_high"] < 1).sum()))
+        object.__setattr__(self, "more", int((self.ratios["ratio_low"] > 1).sum()))
+
+    @property
+    def families(self) -> int:
+        """Number of families compared."""
+        return len(self.ratios)
+
+    @property
+    def text(self) -> str:
+        """The ratio, its spread over families, and in how many of them it is clear of 1."""
+        values = self.ratios["ratio"]
+        spread = f"{number(values.min())} to {number(values.max())} by family"
+        mean = number(float(np.exp(np.log(values).mean())))
+        counts = [f"less in {self.less}" if self.less else "", f"more in {self.more}" if self.more else ""]
+        rest = self.families - self.less - self.more
+        counts.append(f"undecided in {rest}" if rest else "")
+        listed = ", ".join(filter(None, counts))
+        return f"{mean} × PTL’s cost ({spread}; {listed} of {self.families} families)"
+
+
+def compared(costs: pd.DataFrame, families: Sequence[str]) -> dict[str, Comparison]:
+    """Return the comparison of every method with `BASE` over some families."""
+    own = costs[costs["family"].isin(families) & (costs["method"] != BASE)].dropna(subset=["ratio"])
+    return {str(name): Comparison(part) for name, part in own.groupby("method", sort=False)}
+
+
+def answers(
+    costs: pd.DataFrame,
+    looks: Mapping[str, Look],
+    families: Sequence[str],
+    components: pd.DataFrame,
+    titles: Mapping[str, str],
+) -> list[dict[str, Any]]:
+    """Return the three questions, each with its lines; every statement follows from an interval."""
+    found = compared(costs, families)
+    return [
+        {"question": "1. Is it better than strong baselines?", **_against(found, looks)},
+        {"question": "2. Which part of it does the work?", **_parts(found, looks)},
+        {
+            "question": "3. Does it hold on maps that nobody chose?",
+            **_elsewhere(found, costs, families, components, titles, looks),
+        },
+    ]
+
+
+def _verdicts(found: Mapping[str, Comparison], names: Sequence[str], looks: Mapping[str, Look]) -> str:
+    """Say which of some methods are cheaper than PTL in every family, dearer in every one, or neither."""
+    cheaper = [name for name in names if found[name].less == found[name].families]
+    dearer = [name for name in names if found[name].more == found[name].families]
+    rest = [name for name in names if name not in cheaper and name not in dearer]
+    parts = [
+        f"cheaper than PTL in every family: {_listed(cheaper, looks)}" if cheaper else "",
+        f"dearer in every family: {_listed(dearer, looks)}" if dearer else "",
+        f"undecided, or not the same in every family: {_listed(rest, looks)}" if rest else "",
+    ]
+    return _sentence("; ".join(filter(None, parts)))
+
+
+def _against(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+    names = [name for name in (NO_TRANSFER, *RIVALS) if name in found]
+    names += [name for name in found if name not in KNOWLEDGE]
+    lines = [f"{looks[name].label}: {found[name].text}." for name in names]
+    certain = [name for name in names if KNOWLEDGE.get(name, ("", ""))[1] == CERTAIN and found[name].less]
+    if certain:
+        verb = "rely" if len(certain) > 1 else "relies"
+        lines.append(
+            f"To be fair: {_listed(certain, looks)} {verb} on moves being certain, and a model on a memory of every"
+            " transition. The article’s robot may have neither. On the other hand PTL is told where the goal lies, and"
+            " these methods are not. The table below says what each method may know."
+        )
+    return {"lead": _verdicts(found, names, looks), "lines": lines}
+
+
+def _parts(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+    finders = [name for name in FINDERS if name in found]
+    others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in found]
+    lines = [f"{looks[name].label}: {found[name].text}." for name in (*finders, *others)]
+    if "ptl_frontier" in found and "frontier_only" in found:
+        both, alone = (found[name].ratios.set_index("family") for name in ("ptl_frontier", "frontier_only"))
+        with_library = int((both["ratio_high"] < alone["ratio_low"]).sum())
+        without = int((alone["ratio_high"] < both["ratio_low"]).sum())
+        lines.append(
+            f"Our skill to the frontier beside the library against the same skill alone: clearly cheaper in"
+            f" {with_library}, clearly dearer in {without} of {len(both)} families (intervals apart)."
+            + (
+                ""
+                if with_library > without
+                else " Not the library makes it cheap, but the memory of transitions and the direction of the goal."
+            )
+        )
+    lead = f"Same agent, other subgoals: {_verdicts(found, finders, looks)}" if finders else ""
+    return {"lead": lead, "lines": lines}
+
+
+def _elsewhere(
+    found: Mapping[str, Comparison],
+    costs: pd.DataFrame,
+    families: Sequence[str],
+    components: pd.DataFrame,
+    titles: Mapping[str, str],
+    looks: Mapping[str, Look],
+) -> dict[str, Any]:
+    own = costs[costs["method"] == BASE].set_index("family")
+    none = costs[costs["method"] == NO_TRANSFER].set_index("family")
+    lead, lines = "", []
+    if NO_TRANSFER in found:
+        comparison = found[NO_TRANSFER]
+        lead = (
+            f"PTL costs less than learning every task from nothing in {comparison.more} of {comparison.families}"
+            f" families of generated maps, more in {comparison.less}."
+        )
+        saved = []
+        for family in none.index:
+            row = none.loc[family]
+            low, high = sorted((1 / row["ratio_low"], 1 / row["ratio_high"]))
+            saved.append(f"{titles[family]} {number(1 / row['ratio'])} {interval(low, high)}".rstrip())
+        lines.append(f"PTL’s cost as a multiple of that of no transfer: {'; '.join(saved)}.")
+    listed = "; ".join(f"{titles[family]} {number(own.loc[family, 'cost'])}" for family in own.index)
+    lines.append(f"PTL’s cost as a multiple of the optimum: {listed}.")
+    if len(families):
+        best: dict[str, list[str]] = {}
+        for family in families:
+            row = costs[costs["family"] == family].sort_values("cost").iloc[0]
+            best.setdefault(row["method"], []).append(f"{titles[family]} ({number(row['cost'])} × optimum)")
+        lines += [f"Cheapest is {looks[name].label} in: {', '.join(places)}." for name, places in best.items()]
+    if len(components):
+        shares = components.groupby("method", sort=False)["intraclass"].median()
+        lines.append(
+            "Share of the variance of log(cost ÷ PTL’s) that lies between maps rather than between lives on a map,"
+            f" median over families: from {percent(round(shares.min(), 2))} ({looks[str(shares.idxmin())].label}) to"
+            f" {percent(round(shares.max(), 2))} ({looks[str(shares.idxmax())].label})."
+        )
+    return {"lead": lead, "lines": lines}
+
+
+def _sentence(text: str) -> str:
+    return f"{text[0].upper()}{text[1:]}." if text else ""
+
+
+def _listed(names: Sequence[str], looks: Mapping[str, Look]) -> str:
+    return ", ".join(f"“{looks[name].label}”" for name in names)
+
+
+# -- tables --------------------------------------------------------------------------------------------------
+
+
+def wide_table(
+    frame: pd.DataFrame,
+    looks: Mapping[str, Look],
+    columns: Mapping[str, str],
+    by: str,
+    value: str,
+    limits: tuple[str, str] | None,
+    title: str,
+    intro: str,
+    notes: Sequence[str] = (),
+    best: bool = True,
+) -> Table:
+    """Lay out a value of each method in columns; the lowest of a column is marked as the best."""
+    rows = []
+    lowest = frame.groupby(by)[value].min() if best else {}
+    for method, look in looks.items():
+        own = frame[frame["method"] == method].drop_duplicates(by).set_index(by)
+        if own.empty or own[value].isna().all():
+            continue
+        cells = []
+        for name in columns:
+            if name not in own.index or np.isnan(own.loc[name, value]):
+                cells.append(Cell(MISSING))
+                continue
+            row = own.loc[name]
+            detail = interval(row[limits[0]], row[limits[1]]) if limits else ""
+            cells.append(Cell(number(float(row[value])), detail, best=best and row[value] == lowest[name]))
+        rows.append(Row(look.label, cells, look.colour))
+    return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [Group(rows)], notes)
+
+
+def knowledge_table(looks: Mapping[str, Look]) -> Table:
+    """Lay out what each method may know and remember."""
+    rows = [(look.label, *KNOWLEDGE.get(name, ("not stated",) * 3)) for name, look in looks.items()]
+    headings = ("method", "told about the goal", "relies on certain moves", "keeps from task to task")
+    return text_table(
+        "What each method may know and remember",
+        "Moves in these worlds are deterministic, which some methods rely on and others do not.",
+        headings,
+        rows,
+        (
+            "For skills: Q-learning itself does not rely on it, but the policy of a skill replays transitions that were"
+            " seen once.",
+            "All methods are told when they are at the goal, and keep Q within a task.",
+        ),
+        headings[1:],
+    )
+
+
+def component_table(components: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Table:
+    """Lay out the share of variance between maps."""
+    return wide_table(
+        components,
+        looks,
+        {family: titles[family] for family in dict.fromkeys(components["family"])},
+        "family",
+        "intraclass",
+        None,
+        "Variance between maps",
+        "Share of the variance of log(cost ÷ PTL’s cost) that lies between maps (intraclass correlation); the rest"
+        " lies between lives on the same map.",
+        (
+            "A high share is a reason for many maps with few lives on each. Standard errors of both designs:"
+            " components.csv.",
+        ),
+        best=False,
+    )
+
+
+# -- the page ------------------------------------------------------------------------------------------------
+
+
+def page(**values: Any) -> str:
+    """Fill the page's template."""
+    return render("beyond.html", title="Is a skill library worth having, and where?", **values)
+
+
+def introduction(study: Study, lives: pd.DataFrame) -> str:
+    """Describe what was run."""
+    own = lives[lives["sequence"] == MAIN]
+    maps = own.groupby("family")["map"].nunique()
+    places = [f"{len(maps)} families of generated maps, {number(int(maps.min()))} maps each"] if len(maps) else []
+    if study.families and places:
+        places[0] += (
+            f" of about {number(study.size)} states (band “{study.band}”), with {number(study.seeds)} lives on each map"
+        )
+    if study.article_maps:
+        places.append(
+            f"{number(len(study.article_maps))} maps of the article, with {number(study.article_seeds)} lives"
+        )
+    return (
+        "A second study with the package, apart from the reproduction: methods, maps and numbers are not the article’s,"
+        f" except where its maps are named. {number(int(lives['method'].nunique()))} methods on"
+        f" {' and on '.join(places)}. A life is six tasks of {number(study.learning.episodes)} episodes;"
+        f" {number(len(lives))} lives in all."
+    )
+
+
+def explorer_line(study: Study, looks: Mapping[str, Look]) -> str:
+    """Describe what the explorer shows, empty if there is none."""
+    names = methods.by_identifier(map(beyond.reference, study.explorer.methods))
+    if not names:
+        return ""
+    maps = len(shown(study))
+    return f"one more life of {_listed(list(names), looks)} on each of {number(maps)} maps, step by step."
+
+
+READING = (
+    "How to read this. Cost is the number of steps over all tasks after the first, as a multiple of the optimum"
+    " (episodes × shortest paths): 1 cannot be beaten. Means are geometric, brackets are intervals. A method is called"
+    " cheaper or dearer in a family if the whole interval of its ratio to PTL on the same maps lies on one side of 1."
+    " The first number of a line is the geometric mean over the generated families, each counting alike. The lines are"
+    " made from the numbers of this run."
+)
+
+
+def method_lines(study: Study) -> list[str]:
+    """Describe design and statistics."""
+    level, resamples = percent(study.statistics.confidence), number(study.statistics.resamples)
+    return [
+        f"Intervals ({level}) are percentiles of a hierarchical bootstrap with {resamples} resamples: maps, then lives"
+        " on each map; all methods on the same maps. For a map of the article only lives are drawn, so its intervals"
+        " say nothing about other maps. They are not corrected for the number of comparisons.",
+        "Maps, their seeds and hashes are in config/population.csv. What was tuned was tuned on the tuning band, which"
+        " has no map in common with the test band; docs/beyond.md says what was tried.",
+        "Every method is a file in ptl/methods/ or studies/beyond/methods/, with its source. Hyper-parameters are those of"
+        " the reproduction, tuned for none of the methods.",
+        "Limits: deterministic grid worlds, tables instead of function approximation, one start a map. A method that"
+        " keeps a model of all transitions fits such worlds better than a robot’s; noise would cost it more than the"
+        " others.",
+        "Numbers of each life: per_life.csv. Truncated episodes are counted in it.",
+    ]

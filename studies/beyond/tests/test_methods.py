@@ -1,0 +1,233 @@
+"""The methods of the second study do what their descriptions say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mazes import random_world
+
+from ptl import methods
+from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.skills import Skill
+from ptl.config import Parameters
+from ptl.files.outside import learning_code, record
+from ptl.files.results import write_learning
+from ptl.learning.life import learn_life, tasks_of
+from ptl.learning.method_check import check_method
+from ptl.methods import beyond
+from ptl.report.explorer.data import collect
+from ptl.world.gridworld import GridWorld
+from ptl.world.transitions import TransitionGraph
+from studies.beyond.methods._model import Model
+
+FEW = Parameters().replace(learning__episodes=30)
+NORTH, SOUTH, WEST, EAST = range(4)
+RING = GridWorld.from_text("I...\n.##.\n.##B\n...A\n", "ring")
+
+
+def make(name: str, world: GridWorld, seed: int = 0, **changes) -> methods.BaseMethod:
+    return methods.load(beyond.reference(name))(world, Parameters().replace(**changes), np.random.default_rng(seed))
+
+
+def steps_of(name: str, world: GridWorld, seed: int, tasks: str, parameters: Parameters = FEW) -> list[np.ndarray]:
+    life = learn_life(world, tasks_of(world, tasks), beyond.reference(name), parameters, seed)
+    return [record.steps for record in life.records]
+
+
+@pytest.mark.parametrize("name", beyond.names())
+def test_a_life_of_each_is_a_sound_file_that_the_explorer_shows(name, tmp_path):
+    """A method may draw what is no skill of the library."""
+    reference = beyond.reference(name)
+    life = learn_life(RING, tasks_of(RING, "AB"), reference, FEW, 15, "ring", 0)
+    path = tmp_path / "seed_000.h5"
+    write_learning(path, life, RING, {
+        "environment": "ring", "method": name, "seed": 0, "root_seed": 15,
+        "parameters": FEW.to_dict() | record(reference, methods.load(reference)), "code": learning_code(reference),
+    })  # fmt: skip
+    [entry] = collect([path], window=5, kinds={name: methods.load(reference)})["environments"]
+    drawn = [task["drawn"] for task in entry["runs"][f"{name}/0"]["tasks"]]
+    assert drawn == [[list(episode) for episode in task.selected] for task in life.records]
+
+
+@pytest.mark.parametrize("name", beyond.names())
+def test_each_method_is_sound_and_apart_from_the_comparison(name):
+    assert name not in methods.names()
+    assert methods.identifier(beyond.reference(name)) == name
+    check_method(beyond.reference(name))
+
+
+def test_looks_are_told_apart():
+    made = [methods.load(beyond.reference(name)) for name in [*beyond.names(), *methods.names()]]
+    assert len({method.colour for method in made}) == len({method.label for method in made}) == len(made)
+    assert beyond.reference("ptl") == "ptl"
+
+
+# -- R-max
+
+
+def test_rmax_costs_what_it_must_beside_the_goal():
+    """From the cell before the goal the four actions are tried in random order: 1 to 4 steps, equally often."""
+    world = GridWorld.from_text("IA\n")
+    firsts = [steps_of("rmax", world, seed, "A", FEW.replace(learning__episodes=2))[0] for seed in range(400)]
+    assert {second for _, second in firsts} == {1}
+    counts = np.bincount([first for first, _ in firsts], minlength=5)
+    assert abs(counts[1:] - 100).max() < 4 * np.sqrt(400 * 1 / 4 * 3 / 4) and counts.sum() == counts[1:].sum()
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_every_exploration_is_a_shortest_way_to_an_untried_action(seed):
+    """Against a graph search over the tried actions; nothing is tried twice before all is tried."""
+    world = random_world(np.random.default_rng(seed))
+    model, random, state = Model(world.n_states), np.random.default_rng(seed), world.start
+    tried = np.zeros(world.n_states, dtype=np.uint8)
+    reachable = world.distances_to(world.start) >= 0
+    for _ in range(4 * reachable.sum()):
+        steps = TransitionGraph(world.successors, tried).steps_from([state])
+        nearest = steps[(steps >= 0) & (tried != 15)].min()
+        way = model.way_to_untried(state, random)
+        assert len(way) == nearest + 1
+        for action in way:
+            origin, state = state, int(world.successors[state, action])
+            model.note(origin, action, state)
+        assert not tried[origin] >> way[-1] & 1
+        tried[origin] |= 1 << way[-1]
+    assert model.way_to_untried(state, random) is None
+    assert model.size == 4 * reachable.sum()
+    for goal in np.flatnonzero(reachable):
+        assert len(model.way_to(world.start, goal)) == world.shortest_path_length(world.start, goal)
+
+
+def test_rmax_forgets_and_its_other_form_does_not():
+    forgotten, kept = (
+        np.array([[steps[0] for steps in steps_of(name, RING, seed, "ABA")] for seed in range(20)])
+        for name in ("rmax", "rmax_memory")
+    )
+    shortest = RING.shortest_path_length(RING.start, RING.goal("A"))
+    assert (forgotten[:, 2] > shortest).mean() > 0.9
+    # the path first found may be the longer way round the ring, not more
+    assert kept[:, 2].max() <= shortest + 4
+    for row in steps_of("rmax_memory", RING, 3, "AB"):
+        assert len(set(row[1:])) == 1
+
+
+# -- optimism
+
+
+def test_optimism_tries_everything_once_where_moves_are_certain():
+    world = GridWorld.from_text("I.A\n")
+    [steps] = steps_of("optimistic_fast", world, 1, "A", FEW.replace(learning__episodes=5))
+    # at most: all four actions of both states, and the ways back from state 1
+    assert steps[0] <= 10 and steps[-1] == 2
+    slow, fast = (steps_of(name, RING, 1, "A")[0].sum() for name in ("optimistic", "optimistic_fast"))
+    assert slow > 3 * fast
+
+
+def test_maxqinit_by_hand():
+    world = GridWorld.from_text("I.A\n")
+    method = make("maxqinit", world)
+    np.testing.assert_array_equal(method.begin_task(0, 2), np.ones((3, 4)))
+    for east in (0.25, 0.75, 0.5):
+        learner = Learner(Dynamics(world.successors), 2, np.random.SFC64(1), alpha=1.0)
+        learner.begin_episode(0)
+        learner.act(EAST)
+        learner.set_q(np.full((3, 4), east))
+        method.end_task(learner)
+    expected = np.ones((3, 4))
+    expected[0, EAST] = 0.75
+    np.testing.assert_array_equal(method.begin_task(0, 2), expected)
+
+
+# -- libraries
+
+
+def test_a_skill_to_every_state_is_a_shortest_path():
+    method = make("all_goals", RING)
+    method.begin_task(RING.start, RING.goal("A"))
+    assert method.candidates == [RING.start]
+    learner = Learner(Dynamics(RING.successors), RING.goal("A"), np.random.SFC64(1))
+    for _ in range(20):
+        learner.begin_episode(RING.start)
+        learner.explore(epsilon=1.0)
+    graph = TransitionGraph(RING.successors, learner.seen)
+    method.library.update(None, graph, 0)
+    method.end_task(learner)
+    method.begin_task(RING.start, RING.goal("B"))
+    assert method.candidates == [RING.start, *range(RING.n_states)] and len(method.library) == RING.n_states
+    for subgoal in (5, 8):
+        learner.begin_episode(RING.start)
+        method.guide(learner, 1 + subgoal)
+        assert (learner.state, learner.steps) == (subgoal, graph.steps_to(subgoal)[RING.start])
+
+
+# -- the frontier
+
+LINE = GridWorld.from_text("B.I......A\n", "line")
+
+
+def look(name: str, world: GridWorld, seen: dict[int, list[int]], goal: str, **changes) -> methods.BaseMethod:
+    """Return the method at the beginning of a task, when some actions have been seen in some states."""
+    method = make(name, world, **changes)
+    for state, actions in seen.items():
+        method.seen_before[state] = sum(1 << action for action in actions)
+    method.begin_task(world.start, world.goal(goal))
+    return method
+
+
+@pytest.mark.parametrize(
+    ("seen", "frontier"),
+    [
+        ({}, 2),  # the start itself
+        ({2: [EAST]}, 3),
+        ({2: [EAST], 3: [0, 1, 2, 3], 4: [0, 1, 2, 3]}, 5),
+        ({2: [EAST], 3: [EAST], 4: [0, 1, 2, 3], 5: [0, 1, 2, 3], 6: [WEST]}, 6),
+        ({2: [EAST], 3: [EAST], 4: [0, 1, 2, 3], 5: [0, 1, 2], 6: [0, 1, 2, 3]}, 5),
+        ({state: [EAST] for state in range(2, 9)}, 9),  # the goal, once seen
+        ({7: [EAST]}, 2),  # seen, but no way leads there
+    ],
+)
+def test_the_frontier_is_the_open_state_nearest_to_the_goal(seen, frontier):
+    assert look("ptl_frontier", LINE, seen, "A").frontier == frontier
+
+
+def test_ties_of_the_frontier_go_by_steps_then_by_number():
+    world = GridWorld.from_text("...\nI#A\n...\n")
+    ways = {world.start: [NORTH, SOUTH], 0: [EAST], 5: [EAST]}
+    # states: 0 1 2 / 3 (start), 4 (goal) / 5 6 7; 1 and 6 are as near to the goal and to the start
+    assert look("ptl_frontier", world, ways, "A").frontier == 1
+    ways[1] = [0, 1, 2, 3]
+    assert look("ptl_frontier", world, ways, "A").frontier == 2
+
+
+def test_drawing_the_frontier_follows_what_was_seen():
+    method = look("ptl_frontier", LINE, {2: [EAST], 3: [0, 1, 2, 3], 4: [0, 1, 2, 3]}, "A")
+    learner = Learner(Dynamics(LINE.successors), LINE.goal("A"), np.random.SFC64(1))
+    learner.begin_episode(LINE.start)
+    method._learner = learner
+    method.guide(learner, 1)
+    assert (learner.state, learner.steps) == (5, 3)
+    learner.act(EAST)
+    method.draw_skill()
+    assert method.frontier == 6
+    assert len(method.selection.prior) == 2
+
+
+def test_the_path_prior_by_hand():
+    """Weights exp(-steps to f / (sigma L)); a subgoal from which no seen path leads to f has none."""
+    method = make("ptl_frontier_path", LINE, skills__prior_width=0.1)
+    method.library.skills = [Skill(subgoal, np.full(10, -1, dtype=np.int8), 0) for subgoal in (4, 1)]
+    for state in range(2, 6):
+        method.seen_before[state] = 15
+    method.begin_task(LINE.start, LINE.goal("A"))
+    assert method.frontier == 6
+    weights = np.exp(-np.array([4, 2, np.inf, 0]) / (0.1 * LINE.diagonal))
+    np.testing.assert_allclose(method.selection.prior, weights / weights.sum())
+    alone = make("ptl_path_prior", LINE, skills__prior_width=0.1)
+    alone.library, alone.seen_before = method.library, method.seen_before
+    alone.begin_task(LINE.start, LINE.goal("A"))
+    np.testing.assert_allclose(alone.selection.prior, weights[:3] / weights[:3].sum())
+
+
+def test_without_a_library_only_the_frontier_guides():
+    life = learn_life(LINE, tasks_of(LINE, "AB"), beyond.reference("frontier_only"), FEW, 1)
+    assert len(life.library) == 0
+    assert {number for record in life.records for drawn in record.selected for number in drawn} == {0, 1}

@@ -1,0 +1,111 @@
+"""The page of the second study: its sentences follow from the numbers, whoever they favour."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from ptl import methods
+from ptl.measures.statistics import Resampling
+from ptl.methods import beyond as of_the_study
+from ptl.report import beyond
+from ptl.report.figures import beyond as figures
+from studies.beyond import summary
+from studies.beyond.collect import LIFE_COLUMNS
+from studies.beyond.design import Study
+
+HOW = Resampling(0.95, 200)
+FAMILIES = ("chain", "maze")
+STUDY = Study.read({"methods": ["no_transfer", "ptl", "ptl_goal", "ptl_frontier", "frontier_only", "rmax_memory"]})
+
+
+def lives(**ratios: float | tuple[float, float]) -> pd.DataFrame:
+    """Lives whose cost is so many times that of PTL, in both families or in each of them."""
+    random = np.random.default_rng(1)
+    rows = []
+    for family in FAMILIES:
+        base = 20 * np.exp(random.normal(0, 0.5, 8))
+        for method, ratio in {"ptl": 1.0, **ratios}.items():
+            factor = ratio[FAMILIES.index(family)] if isinstance(ratio, tuple) else ratio
+            for place, cost in enumerate(base):
+                for seed in range(2):
+                    steps = 1000 * cost * factor * np.exp(random.normal(0, 0.02))
+                    rows.append((family, str(4000 + place), 300, "increasing", method, seed, steps, 1000, 3))
+    return pd.DataFrame(rows, columns=list(LIFE_COLUMNS))
+
+
+def said(**ratios: float | tuple[float, float]) -> list[str]:
+    """Lead and lines of each answer in one text."""
+    frame = lives(**ratios)
+    costs = summary.costs(frame, HOW)
+    titles = beyond.titles_of(FAMILIES, ())
+    looks = beyond.looks_of(STUDY, frame["method"])
+    made = beyond.answers(costs, looks, FAMILIES, summary.variance_components(frame), titles)
+    return [" ".join([answer["lead"], *answer["lines"]]) for answer in made]
+
+
+def test_a_rival_is_called_what_it_is():
+    assert "Cheaper than PTL in every family: “R-max, model kept”." in said(rmax_memory=0.1)[0]
+    assert "Dearer in every family: “R-max, model kept”." in said(rmax_memory=3.0)[0]
+    assert "Undecided, or not the same in every family: “R-max, model kept”." in said(rmax_memory=(0.5, 2.0))[0]
+    assert "less in 1, more in 1 of 2 families" in said(rmax_memory=(0.5, 2.0))[0]
+    assert "undecided in 2 of 2 families" in said(rmax_memory=1.0)[0]
+
+
+def test_what_a_rival_may_know_is_said_beside_its_win():
+    fair = "To be fair: “R-max, model kept” relies on moves being certain"
+    assert fair in said(rmax_memory=0.1)[0]
+    assert fair not in said(rmax_memory=3.0)[0]
+
+
+def test_the_first_answer_can_be_in_favour_of_the_library():
+    first, second, third = said(no_transfer=4.0, rmax_memory=2.0, ptl_goal=1.5)
+    assert "Dearer in every family: “No transfer”, “R-max, model kept”." in first
+    assert "Same agent, other subgoals: Dearer in every family: “PTL, subgoal = goal”." in second
+    assert "in 2 of 2 families of generated maps, more in 0" in third
+    assert "Cheapest is PTL in: Chain of rooms (" in third
+    assert "in 0 of 2 families of generated maps, more in 2" in said(no_transfer=0.5)[2]
+
+
+@pytest.mark.parametrize(("alone", "owed"), [(0.4, False), (0.1, True)])
+def test_what_our_proposal_owes_to_the_library(alone, owed):
+    second = said(ptl_frontier=0.2, frontier_only=alone)[1]
+    counts = "cheaper in 0, clearly dearer in" if owed else "cheaper in 2, clearly dearer in 0"
+    assert counts in second
+    assert ("Not the library makes it cheap" in second) == owed
+
+
+def test_every_method_says_what_it_may_know():
+    own = {*of_the_study.names(), "no_transfer", "ptl", "ptl_supervised"}
+    assert own == set(beyond.KNOWLEDGE)
+    looks = beyond.looks_of(STUDY, ["mine", "ptl", "yours"])
+    assert [looks[name].label for name in ("ptl", "mine", "yours")] == ["PTL", "Mine", "Yours"]
+    assert looks["mine"].colour != looks["yours"].colour and looks["mine"].dashed
+    assert list(looks)[-2:] == ["mine", "yours"]
+    assert looks["rmax_memory"].label == methods.load(of_the_study.reference("rmax_memory")).label
+    table = beyond.knowledge_table(looks)
+    cells = {row.label: [cell.text for cell in row.cells] for row in table.groups[0].rows}
+    assert cells["Mine"] == ["not stated"] * 3
+    assert cells["R-max, model kept"][1] == "yes"
+
+
+def test_figures_have_a_panel_for_each_family_and_a_curve_for_each_method():
+    frame = lives(no_transfer=4.0, rmax_memory=0.1)
+    looks, titles = beyond.looks_of(STUDY, frame["method"]), beyond.titles_of(FAMILIES, ())
+    drawn = figures.profile(summary.profiles(frame, HOW), looks, titles)
+    panels = [ax for ax in drawn.axes if ax.get_visible()]
+    assert [ax.get_title(loc="left") for ax in panels] == ["Chain of rooms", "Perfect maze"]
+    assert [len(ax.get_lines()) for ax in panels] == [3, 3]
+    costs = summary.costs(frame, HOW)
+    points = figures.overview(costs, looks, titles).axes[0].collections[-1].get_offsets()
+    expected = costs[costs["family"] == "chain"].set_index("method")["cost"]
+    assert points[:, 0].tolist() == [expected[name] for name in looks if name in expected.index]
+
+
+def test_one_life_on_one_map_has_no_interval_and_is_drawn():
+    frame = lives(no_transfer=2.0)
+    costs = summary.costs(frame[(frame["map"] == "4000") & (frame["seed"] == 0)], HOW)
+    assert costs["high"].isna().all()
+    drawn = figures.overview(costs, beyond.looks_of(STUDY, costs["method"]), dict(zip(FAMILIES, FAMILIES, strict=True)))
+    assert all(np.isfinite(ax.get_xlim()).all() for ax in drawn.axes)

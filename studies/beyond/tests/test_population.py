@@ -1,0 +1,198 @@
+"""The population of maps: families, sizes, bands, sequences and the tracked table."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from projects import ROOT
+
+from ptl.cli.population import command
+from ptl.errors import UserError
+from ptl.world.gridworld import MAX_CELLS, GridWorld
+from ptl.world.mazes import FAMILIES, FREE, largest_part, to_text
+from studies.beyond.population import (
+    BANDS,
+    MAPS,
+    SEQUENCES,
+    describe,
+    load_entry,
+    make_map,
+    place_tasks,
+    read_moving_ai,
+    read_population,
+    to_csv,
+    winding,
+)  # fmt: skip
+
+TABLE = read_population(ROOT / "config/population.csv")
+SMALL = [entry for entry in TABLE if entry.size == 300]
+
+
+def paths_of(world: GridWorld) -> list[int]:
+    return world.distances_to(world.start)[list(world.goals.values())].tolist()
+
+
+def test_the_table_is_complete_and_its_bands_are_disjoint():
+    for (band, size), number in MAPS.items():
+        for family in FAMILIES:
+            seeds = [e.seed for e in TABLE if (e.band, e.size, e.family) == (band, size, family)]
+            assert seeds == list(range(BANDS[band], BANDS[band] + number))
+    assert len(TABLE) == 6 * sum(MAPS.values())
+    by_band = [{entry.hash for entry in TABLE if entry.band == band} for band in BANDS]
+    assert not by_band[0] & by_band[1]
+    assert len({entry.hash for entry in TABLE}) == len(TABLE)
+
+
+@pytest.mark.parametrize("entry", [SMALL[i] for i in range(0, len(SMALL), 41)], ids=str)
+def test_a_row_follows_from_its_seed_and_says_the_truth(entry):
+    assert describe(entry.band, entry.family, entry.size, entry.seed) == entry
+    world = load_entry(entry)
+    assert hashlib.sha256(world.text.encode()).hexdigest().startswith(entry.hash)
+    assert (world.n_states, paths_of(world)) == (entry.states, list(entry.shortest_paths))
+    rows, columns = np.array([world.cells[goal] - world.cells[world.start] for goal in world.goals.values()]).T
+    assert winding(world) == pytest.approx(np.mean(paths_of(world) / np.hypot(rows, columns)))
+    with pytest.raises(UserError, match=rf"map {entry.family}_300_{entry.seed}: is not the one in .*numpy"):
+        load_entry(replace(entry, hash="0" * 16))
+
+
+def test_the_table_is_read_back(tmp_path):
+    path = tmp_path / "maps.csv"
+    path.write_text(to_csv(iter(TABLE[:3])))
+    assert read_population(path) == TABLE[:3]
+    path.write_text("band,family\n1,2\n")
+    with pytest.raises(UserError, match="run 'ptl population'"):
+        read_population(path)
+
+
+@pytest.mark.parametrize(
+    ("column", "text"),
+    [
+        ("band", "own"), ("family", "castle"), ("size", "301"), ("size", "0"), ("seed", "-1"), ("seed", "1000"),
+        ("seed", "9" * 5000), ("size", "9" * 400), ("states", "0"), ("states", "5000"), ("shortest_paths", "1 2 3"),
+        ("shortest_paths", "1 2 7 9 13 0"), ("shortest_paths", "1 2 7 9 13 999"), ("winding", "nan"),
+        ("winding", "0.5"), ("hash", "x"),
+    ],
+)  # fmt: skip
+def test_rows_of_no_map_of_the_population_are_refused(column, text, tmp_path):
+    path = tmp_path / "maps.csv"
+    header, *rows = to_csv(entry for entry in TABLE if entry.seed in (4000, 4001)).splitlines()
+    cells = dict(zip(header.split(","), rows[1].split(","), strict=True))
+    path.write_text("\n".join([header, rows[0], ",".join({**cells, column: text}.values()), *rows[2:]]))
+    with pytest.raises(UserError, match=r"maps\.csv: line 3: is no row of a table of maps"):
+        read_population(path)
+
+
+def test_a_map_of_another_table_is_refused_with_the_name_of_that_table(tmp_path):
+    path = tmp_path / "maps.csv"
+    path.write_text(to_csv(iter([replace(SMALL[0], hash="0" * 16)])))
+    with pytest.raises(UserError, match=rf"is not the one in {path} \("):
+        load_entry(read_population(path)[0])
+
+
+def test_maps_are_not_written_to_a_file(tmp_path):
+    (tmp_path / "maps").touch()
+    arguments = [str(ROOT / "config/population.csv"), "--maps", str(tmp_path / "maps")]
+    assert "is a file" in CliRunner().invoke(command, arguments).output
+
+
+def test_sizes_are_about_what_was_wanted():
+    for entry in TABLE:
+        assert 0.7 < entry.states / entry.size < 1.35, entry
+        assert min(entry.shortest_paths) >= 1 and list(entry.shortest_paths) == sorted(entry.shortest_paths)
+
+
+@pytest.mark.parametrize("family", FAMILIES)
+def test_all_free_cells_are_joined(family):
+    world = make_map(family, 300, 1003)
+    assert (world.distances_to(world.start) >= 0).all()
+    assert make_map(family, 300, 1003).text == world.text != make_map(family, 300, 1002).text
+
+
+def dead_ends(world: GridWorld) -> int:
+    walls = (world.successors == np.arange(world.n_states)[:, None]).sum(axis=1)
+    return int((walls == 3).sum())
+
+
+def test_a_perfect_maze_is_a_tree_and_a_braided_one_has_no_dead_ends():
+    perfect, braided = make_map("maze", 300, 1001), make_map("braided", 300, 1001)
+    edges = (perfect.successors != np.arange(perfect.n_states)[:, None]).sum() // 2
+    assert edges == perfect.n_states - 1
+    assert dead_ends(perfect) > 20 and dead_ends(braided) == 0
+
+
+def test_a_chain_is_passed_door_by_door():
+    grid = FAMILIES["chain"](np.random.default_rng(4), 300)
+    doors = [column for column in range(1, grid.shape[1] - 1) if (grid[1:-1, column] == FREE).sum() == 1]
+    assert 5 <= len(doors) <= 8
+    grid[:, doors[2]] = "#"
+    assert len(largest_part(grid)) < (grid == FREE).sum()
+
+
+def test_sequences_of_tasks():
+    worlds = {name: make_map("rooms", 300, 1005, name) for name in SEQUENCES}
+    assert len({re.sub("[A-F]", ".", world.text) for world in worlds.values()}) == 1
+    goals = {name: list(world.goals.values()) for name, world in worlds.items()}
+    paths = {name: paths_of(world) for name, world in worlds.items()}
+    assert paths["increasing"] == sorted(paths["random"])
+    assert paths["reversed"] == paths["increasing"][::-1]
+    assert set(goals["increasing"]) == set(goals["random"]) and goals["random"] != goals["increasing"]
+    spread = {
+        name: np.mean([worlds[name].distances_to(first)[list(places)].mean() for first in places])
+        for name, places in goals.items()
+    }
+    assert spread["clustered"] < 0.5 * spread["random"]
+    detour = {name: _least_detours(worlds[name]) for name in SEQUENCES}
+    assert detour["adversarial"] > max(value for name, value in detour.items() if name != "adversarial")
+
+
+def _least_detours(world: GridWorld) -> float:
+    """Mean over the goals after the first of the least path / straight line from start and earlier goals."""
+    places = [world.start, *world.goals.values()]
+    values = []
+    for index, goal in enumerate(places[2:], start=2):
+        paths = world.distances_to(goal)
+        values.append(min(paths[p] / np.hypot(*(world.cells[p] - world.cells[goal])) for p in places[:index]))
+    return float(np.mean(values))
+
+
+MOVING_AI = "type octile\nheight 4\nwidth 5\nmap\n.G.T@\n.S.W.\n.....\nOO...\n"
+
+
+def test_a_moving_ai_map_is_read(tmp_path):
+    path = tmp_path / "small.map"
+    path.write_text(MOVING_AI)
+    assert to_text(read_moving_ai(path)) == "...##\n...#.\n.....\n##...\n"
+    world = place_tasks(read_moving_ai(path), "small", 1)
+    assert (world.n_states, len(world.goals)) == (15, 6)
+    for wrong in (MOVING_AI.replace("height 4", "height 3"), MOVING_AI.replace("map\n", ""), "", "\xe4",
+                  MOVING_AI.replace(".....", "...."), MOVING_AI.replace("type octile", "height 4"),
+                  MOVING_AI.replace(".....\nOO", ".....\x0bOO")):  # fmt: skip
+        path.write_text(wrong)
+        with pytest.raises(UserError, match=r"small\.map: .*Moving AI map"):
+            read_moving_ai(path)
+    with pytest.raises(UserError, match="with six tasks"):
+        place_tasks(np.full((3, 3), FREE), "tiny", 1)
+
+
+def test_a_moving_ai_map_of_too_many_cells_is_refused(tmp_path):
+    path = tmp_path / "large.map"
+    path.write_text(f"type octile\nheight 2\nwidth {MAX_CELLS}\nmap\n" + ("." * MAX_CELLS + "\n") * 2)
+    with pytest.raises(UserError, match=rf"large\.map: the map has more than {MAX_CELLS} cells"):
+        read_moving_ai(path)
+
+
+@pytest.mark.parametrize("read", [read_moving_ai, read_population])
+def test_devices_and_pipes_in_the_place_of_maps_are_refused_at_once(read, tmp_path):
+    os.mkfifo(tmp_path / "pipe")
+    for path in ("/dev/zero", tmp_path / "pipe", tmp_path, tmp_path / "none"):
+        with pytest.raises(UserError, match="cannot be read"):
+            read(path)
+    (tmp_path / "odd.csv").write_text("band,family\n\0,x\n")
+    with pytest.raises(UserError):
+        read(tmp_path / "odd.csv")

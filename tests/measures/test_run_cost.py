@@ -1,0 +1,96 @@
+"""The estimate before a run: near what runs took, and a limit for what nobody means."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from projects import ROOT
+
+from ptl.errors import UserError
+from ptl.files.configuration import completed, read_yaml
+from ptl.measures.cost import MOST_JOBS, Cost, check_cost, cost_of, cost_of_lives, cost_of_settings
+from ptl.world.gridworld import load_map
+from studies.beyond import design
+from studies.robustness.design import jobs_of
+from studies.robustness.design import read_study as read_robustness
+
+
+@pytest.fixture
+def published(monkeypatch):
+    monkeypatch.chdir(ROOT)
+    return completed(read_yaml("config/config.yaml"))
+
+
+def estimate(run) -> Cost:
+    return cost_of(run, {name: load_map(entry.map) for name, entry in run.environments.items()})
+
+
+def test_the_published_run_costs_about_what_it_took(published):
+    cost = estimate(published)
+    learned = sum(entry["mean"] for entry in totals()) * published.seeds
+    few = published.replace(
+        decision__seeds=1, decision__full_transfer_seeds=1, decision__no_transfer_seeds=1, growth__runs=1
+    )
+    assert learned / 5 < estimate(few).steps < learned * 5
+    assert cost.jobs == 3 * 6 * 30 + 30 + 3 * 8
+    assert 0.1 < cost.hours < 1.5  # the page on speed says 20 minutes on two cores
+    assert cost.memory < 10**9
+
+
+def totals():
+    """Mean total steps of every task and method in the published run."""
+    import pandas as pd
+
+    metrics = pd.read_csv(ROOT / "reports/published/tables/metrics.csv")
+    return metrics[metrics.metric == "total_steps"].to_dict("records")
+
+
+def test_the_published_studies_cost_about_what_they_took(published):
+    """Minutes that docs/performance.md and docs/beyond.md state; steps as published."""
+    import pandas as pd
+
+    worlds = {name: load_map(entry.map) for name, entry in published.environments.items()}
+    settings = cost_of_settings(
+        jobs_of(read_robustness("config/robustness.yaml"), published.to_dict()).values(), worlds
+    )
+    learned = pd.read_csv("reports/published/robustness/settings.csv")["total_steps"].sum()
+    assert learned / 5 < settings.steps < learned * 5
+    assert settings.jobs == 127 and 0.2 < settings.hours < 2
+    study = design.read_study("config/beyond.yaml")
+    entries, given = design.entries_of(study), design.given_worlds(study)
+    digests = design.map_digests(study, entries, given)
+    jobs = [design.job_of(cell, study, digests[cell.name]) for cell in design.cells(study)]
+    lives = cost_of_lives(jobs, entries, given)
+    learned = pd.read_csv("reports/beyond/per_life.csv")["total_steps"].sum()
+    assert learned < lives.steps < learned * 5
+    assert 0.4 < lives.hours < 4
+    half = cost_of_lives(jobs[::2], entries, given)
+    assert half.hours < lives.hours and half.jobs == -(-lives.jobs // 2)
+
+
+@pytest.mark.parametrize("key", ["seeds", "decision__seeds", "learning__episodes", "growth__runs"])
+def test_more_work_costs_more(published, key):
+    group, _, name = key.rpartition("__")
+    before = getattr(getattr(published, group) if group else published, name)
+    assert estimate(published.replace(**{key: 3 * before})).hours > estimate(published).hours
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"seeds": 100_000}, "more than 40,000 learning jobs"),
+        ({"decision__seeds": 100_000, "learning__episodes": 10**6}, "more than 500 CPU hours"),
+        ({"seeds": 1000, "learning__episodes": 10**5, "decision__seeds": 1}, "more than 8,000,000,000 bytes of memory"),
+    ],
+)
+def test_what_nobody_means_is_refused_with_the_way_to_split_it(published, changes, says):
+    cost = estimate(published.replace(**changes))
+    with pytest.raises(UserError, match=re.escape(says)) as caught:
+        check_cost(cost, allowed=False)
+    assert "split it" in str(caught.value) and "PTL_LARGE_RUN=1" in str(caught.value)
+    check_cost(cost, allowed=True)
+
+
+def test_the_limit_itself_is_allowed():
+    check_cost(Cost(MOST_JOBS, 1.0, 1.0, 1.0), allowed=False)
