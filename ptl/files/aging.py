@@ -1,7 +1,7 @@
 """Files that do not belong to a run are made to look old when it is planned, so that Snakemake makes them again.
 
 Snakemake decides by times and by what it remembers. Both can be lost: folders are copied, `.snakemake` is removed,
-clocks are wrong. A result says which job made it, and `made.json` in the folder of results says which products belong to
+clocks are wrong. A result says which job made it, and `made.json` in the folder of results which products belong to
 it; what does not fit gets the time 0 and counts as older than everything that it is made from.
 """
 
@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -24,15 +25,19 @@ MADE = "made.json"
 """File in results/<run>/ that says what the products of the run were made from."""
 
 MEMORY = Path(".snakemake/metadata")
-"""Where Snakemake remembers parameters and code."""
+"""Where Snakemake remembers parameters, code and inputs, a file for each output."""
 
 
 def age_results(folder: Path, jobs: Iterable[Job]) -> None:
     """Age the result files that other jobs have made; ``folder`` is results/<run>/."""
     for job in jobs:
         path = folder / job.place
-        if (found := digest_in(path)) is not None and found != job.digest:
+        if (found := digest_in(path)) is None:
+            continue
+        if found != job.digest:
             _age(path)
+        elif path.stat().st_mtime == 0:  # another configuration was tried in between
+            path.touch()
 
 
 def age_products(results: Path, reports: Path, asked: Any, code: Any) -> None:
@@ -81,5 +86,7 @@ def _made(results: Path) -> dict[str, Any]:
 
 
 def _age(path: Path) -> None:
+    """Give a file the time 0, and remove what Snakemake remembers of the job that made it."""
     with suppress(OSError):
         os.utime(path, (0, 0))
+        (MEMORY / urlsafe_b64encode(path.as_posix().encode()).decode()).unlink(missing_ok=True)
