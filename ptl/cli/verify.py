@@ -35,9 +35,9 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     (results/<run>/made.json), except with --any-code. Report folders: every product against the folder's
     manifest.json. Files below folders that nothing is known about are counted as not checked.
 
-    With --against, say instead how the report folders PATHS compare with another run: which products are equal, equal
-    within a tolerance, or different, and which verdicts changed. 'published' stands for the published run, as git's
-    HEAD or the copy kept by 'make reproduce' has it.
+    With --against, say instead how the report folders PATHS compare with another run: which tables are equal, equal
+    within a tolerance, or different, which verdicts changed, and which drawings and pages have different bytes.
+    'published' is the published run, as git's HEAD or the copy kept by 'make reproduce' has it.
 
     Prints one line for each fault, with the command that mends it; exit status 1 if there is any.
     """
@@ -59,7 +59,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
         for comparison in found:
             click.echo(str(comparison))
         if not (exit_zero or all(comparison.agrees for comparison in found)):
-            raise UserError(f"the products or verdicts differ from those of {against}")
+            raise UserError(f"the tables or verdicts differ from those of {against}")
         return
     files = list(dict.fromkeys(file for path in paths for file in checkable(path)))
     if not files:
