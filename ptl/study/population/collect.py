@@ -18,7 +18,7 @@ from ptl.files.schema import LIVES
 from ptl.methods.beyond import reference
 from ptl.study.population.design import MAIN, Study
 from ptl.study.population.running import Cell
-from ptl.study.tables import COUNT, read_table
+from ptl.study.tables import check_numbers, read_table
 from ptl.world.population import BANDS, read_population
 
 KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
@@ -96,10 +96,7 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 def read_tasks(path: str | Path) -> pd.DataFrame:
     """Read the table of `per_task` back."""
     frame = read_table(path, TASK_COLUMNS)
-    frame["task"] = pd.to_numeric(frame["task"], errors="coerce")  # a number here, a letter elsewhere
-    if not COUNT.hold(frame["task"]):
-        raise UserError(f"{path}: column 'task' must hold {COUNT}; {make_again(path)}")
-    return frame
+    return frame.astype({"task": int})  # a number here, a letter elsewhere
 
 
 def read_lives(path: str | Path) -> pd.DataFrame:
@@ -111,6 +108,8 @@ def read_lives(path: str | Path) -> pd.DataFrame:
         When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
     """
     frame = read_table(path, LIFE_COLUMNS)
+    check_numbers(frame, path, ("size", "seed", "optimum", "library_size"), low=0)
+    check_numbers(frame, path, ("total_steps",))
     for wrong, what in (
         (frame.duplicated(["family", "map", "size", "sequence", "method", "seed"]), "is there twice; give it once"),
         (frame["optimum"] <= 0, "has no optimum; give episodes x shortest paths of the tasks after the first"),
