@@ -72,6 +72,11 @@ def jobs_of_run(results: Path) -> str:
     return str(_made(results).get("jobs", ""))
 
 
+def products_made(results: Path) -> dict[str, str]:
+    """Return the checksums of the products of the finished run in results/<run>/, none if there is no such run."""
+    return dict(_made(results).get("products", {}))
+
+
 def digest(value: Any) -> str:
     """Return a digest of what JSON can hold."""
     return digest_of_text(json.dumps(value, sort_keys=True))

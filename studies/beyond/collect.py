@@ -15,7 +15,7 @@ from ptl.errors import UserError
 from ptl.files.arrays import read_arrays
 from ptl.files.remedies import make_again
 from ptl.files.schema import LIVES
-from ptl.files.tables import COUNT, read_table
+from ptl.files.tables import check_numbers, read_table
 from studies.beyond.design import MAIN, Study
 from studies.beyond.methods import reference
 from studies.beyond.population import BANDS, read_population
@@ -96,10 +96,7 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 def read_tasks(path: str | Path) -> pd.DataFrame:
     """Read the table of `per_task` back."""
     frame = read_table(path, TASK_COLUMNS)
-    frame["task"] = pd.to_numeric(frame["task"], errors="coerce")  # a number here, a letter elsewhere
-    if not COUNT.hold(frame["task"]):
-        raise UserError(f"{path}: column 'task' must hold {COUNT}; {make_again(path)}")
-    return frame
+    return frame.astype({"task": int})  # a number here, a letter elsewhere
 
 
 def read_lives(path: str | Path) -> pd.DataFrame:
@@ -111,6 +108,8 @@ def read_lives(path: str | Path) -> pd.DataFrame:
         When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
     """
     frame = read_table(path, LIFE_COLUMNS)
+    check_numbers(frame, path, ("size", "seed", "optimum", "library_size"), low=0)
+    check_numbers(frame, path, ("total_steps",))
     for wrong, what in (
         (frame.duplicated(["family", "map", "size", "sequence", "method", "seed"]), "is there twice; give it once"),
         (frame["optimum"] <= 0, "has no optimum; give episodes x shortest paths of the tasks after the first"),
