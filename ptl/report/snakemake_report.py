@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 
-
 def keep_texts() -> None:
     """Write ``<`` in the data of Snakemake's report as ``\\u003c``.
 

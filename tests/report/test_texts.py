@@ -45,7 +45,7 @@ def test_in_markdown(text):
 def test_in_figures(text, tmp_path):
     world = GridWorld.from_text("I.\n.A\n")
     figure = maps.draw(world, text)
-    style.save(figure, maps.places(world), tmp_path / "map.png")
+    saving.save(figure, maps.places(world), tmp_path / "map.png")
     [axes] = figure.axes
     assert axes.title.get_text() + axes._left_title.get_text() == f"{text}: 4 states"
     assert not axes._left_title.get_parse_math()

@@ -26,7 +26,7 @@ from ptl.errors import UserError
 from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
 from ptl.files.remedies import rebuild_command
 from ptl.files.verification import OneRun, checkable, faults_of
-from ptl.measures.growth import library_sizes
+from ptl.measures.run_files import library_sizes
 from ptl.measures.measures import measure_files
 from ptl.measures.statistics import read_per_seed
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from ptl.benchmark import machine, pages, scaling
 from ptl.files.atomic import write_text
+from ptl.report.figures import saving
 from ptl.report.figures import scaling as figure
-from ptl.report.figures import style
 from ptl.report.script import running
 
 
@@ -18,5 +18,5 @@ def say(line: str) -> None:
 with running(snakemake) as script:
     computer = machine.describe()
     growth = scaling.measure(Path(script.input.map), scaling.Plan(), say)
-    style.save(figure.draw(growth), growth, script.output.png)
+    saving.save(figure.draw(growth), growth, script.output.png)
     write_text(Path(script.output.page), pages.scaling_markdown(computer, growth))
