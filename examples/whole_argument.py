@@ -19,13 +19,13 @@ from pathlib import Path
 
 import ptl
 from ptl import methods
+from ptl.claims import CLAIMS
+from ptl.claims.evidence import Evidence
 from ptl.config import Growth, Measures, Parameters, Statistics
+from ptl.learning.lives import learn_lives
+from ptl.measures.measures import BY_NAME, measure, runs_of
+from ptl.measures.statistics import Resampling, summarise
 from ptl.report.figures import NO_CURVE, curves
-from ptl.study.claims import CLAIMS
-from ptl.study.evidence import Evidence
-from ptl.study.lives import learn_lives, runs_of
-from ptl.study.measures import BY_NAME, measure
-from ptl.study.statistics import Resampling, summarise
 from ptl.text import estimate
 
 MAPS = Path(ptl.__file__).resolve().parents[1] / "config/environments"
@@ -51,7 +51,7 @@ for method in METHODS:
 # %% [markdown]
 # ## Measure
 #
-# Every measure has one value for each run. The table shows means on task F, the hardest one, with 95% intervals. Steps
+# Every measure has one value for each run. The table shows means on task F, the last one, with 95% intervals. Steps
 # and episodes: fewer are better. The transfer ratio is the share of all steps that a method saves.
 
 # %%
