@@ -18,7 +18,7 @@ from ptl.files.outside import configured
 from ptl.files.regular import NotReadable, read_bytes
 from ptl.files.remedies import MOST_BYTES
 from ptl.keys import ConfigurationError, Group
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.world.gridworld import load_map
 
 DEEPEST = 20

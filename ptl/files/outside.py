@@ -14,7 +14,7 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import code_digest, imports_of
+from ptl.files.provenance import LEARNING, code_digest, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
 
@@ -75,28 +75,28 @@ def record(reference: str, kind: type[BaseMethod]) -> dict[str, Any]:
 
 
 def learning_code(reference: str, *modules: str) -> str:
-    """Return a digest of the sources that a life under a method depends on.
+    """Return a digest of the sources that decide a life under a method.
 
-    Of a method from elsewhere these are its `local_sources` and what they import from this package.
+    These are the modules of `provenance.LEARNING` that a life imports and, of a method from elsewhere, its
+    `local_sources`. What this package's other modules read, write, check and word does not count.
 
     Parameters
     ----------
     modules : str
-        Further modules of this package.
+        Further modules of this package that count.
     """
-    modules = ("ptl.learning.life", *modules)
-    if reference in methods.names():
-        return code_digest(*modules, f"ptl.methods.{reference}")
-    if not reference.endswith(".py") and (module := methods.load(reference).__module__).split(".")[0] == "ptl":
-        return code_digest(*modules, module)
     digest = hashlib.sha256()
-    shared = set(modules)
-    root, paths = local_sources(reference)
-    for path in paths:
-        source = path.read_bytes()
-        digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
-        shared |= imports_of(source.decode("utf-8", "replace"))
-    digest.update(code_digest(*sorted(shared)).encode())
+    used = {"ptl.learning.life", *modules}
+    module = "" if reference.endswith(".py") else methods.load(reference).__module__
+    if module.split(".")[0] == "ptl":
+        used.add(module)
+    else:
+        root, paths = local_sources(reference)
+        for path in paths:
+            source = path.read_bytes()
+            digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
+            used |= imports_of(source.decode("utf-8", "replace"))
+    digest.update(code_digest(*sorted(used), within=(*LEARNING, *modules)).encode())
     return digest.hexdigest()[:16]
 
 

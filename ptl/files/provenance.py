@@ -23,8 +23,12 @@ IMPORT = re.compile(r"^[ \t]*(?:from (ptl(?:\.\w+)*) import (\([^)]*\)|.*)|impor
 """Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
 
 
+LEARNING = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning")
+"""Packages that decide what is learned from given parameters; what other modules do is read, write, check and word."""
+
+
 @cache
-def code_digest(*modules: str) -> str:
+def code_digest(*modules: str, within: tuple[str, ...] = ("ptl",)) -> str:
     """Return the sha256 (first 16 hex digits) of the sources of modules and of all that they import from this package.
 
     Sources are read once in a process.
@@ -33,28 +37,22 @@ def code_digest(*modules: str) -> str:
     ----------
     modules : str
         Names such as ``"ptl.methods.ptl"``.
+    within : tuple of str
+        Packages and modules outside of which nothing counts.
     """
-    closure: set[Path] = set()
-    for module in modules:
-        closure |= _closure(module)
-    digest = hashlib.sha256()
-    for path in sorted(closure):
-        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
-
-
-def _closure(module: str) -> set[Path]:
     found: set[Path] = set()
-    waiting = [module]
-    seen = {module}
+    waiting, seen = set(modules), set()
     while waiting:
         name = waiting.pop()
-        sources, imported = _sources_and_imports(name)
-        found.update(sources)
-        new = imported - seen
-        seen |= new
-        waiting.extend(new)
-    return found
+        seen.add(name)
+        if any(f"{name}.".startswith(f"{package}.") for package in within):
+            sources, imported = _sources_and_imports(name)
+            found.update(sources)
+            waiting |= imported - seen
+    digest = hashlib.sha256()
+    for path in sorted(found):
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
 
 
 @cache

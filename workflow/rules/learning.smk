@@ -20,9 +20,7 @@ rule learn:
         parameters=hyper_parameters("learning", "skills", "subgoals", "policy_reuse"),
         method=lambda wildcards: REFERENCES[wildcards.method],
         own=lambda wildcards: json.dumps(own_parameters(wildcards.method)),
-        code=lambda wildcards: learning_code(
-            REFERENCES[wildcards.method], "ptl.files.results"
-        ),
+        code=lambda wildcards: CODES[wildcards.method],
     message:
         "Learning {wildcards.environment} with {wildcards.method}, seed {wildcards.seed}"
     shell:
