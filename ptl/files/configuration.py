@@ -52,6 +52,9 @@ def completed(config: Mapping[str, Any]) -> Configuration:
         chosen = configured(reference, configuration.method_parameters.get(name, {}))
         if isinstance(declared := getattr(chosen, "own", None), Group):
             own[name] = declared.to_dict()
+            for key, value in own[name].items():
+                if "<" in str(value):  # as in titles
+                    raise ConfigurationError.of_value(f"method_parameters.{name}.{key}", value, "text without <")
         if configuration.method_parameters.get(name):
             check_method(chosen)
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}

@@ -16,7 +16,7 @@ from ptl.files.question import SIDE_MAPS, about, digest_of, question_of
 from ptl.files.records import codes_of
 from ptl.files.regular import below, refuse_other, sha256
 from ptl.report.figures import left_out
-from ptl.report.snakemake_report import keep_checksum, keep_texts
+from ptl.report.snakemake_report import keep_checksum
 from ptl.study.cost import FLAG, check_cost, cost_of
 from ptl.world.gridworld import load_map, map_digest
 
@@ -46,7 +46,6 @@ except UserError as error:
     refuse(error)
 
 if any(argument.startswith("--report") for argument in sys.argv):
-    keep_texts()
     keep_checksum(refuse)
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
