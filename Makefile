@@ -3,19 +3,25 @@
 
 PYTHON ?= python3
 CORES ?= 2
-TEST_TOOLS = .venv/.test-tools
-BENCHMARK_TOOLS = .venv/.benchmark-tools
 SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
 SANITIZED = build/sanitizers
 SANITIZE = -fsanitize=address,undefined
 CALLS = 5000
 BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
 
+# The steps that make .venv, each with its stamp, whose name has the checksum of the files that the step is made from.
+stamp = .venv/$1-$(firstword $(shell cat $2 | cksum))
+PYX := $(wildcard ptl/*/*.pyx)
+run-tools := $(call stamp,run-tools,requirements.lock)
+test-tools := $(call stamp,test-tools,requirements-test.lock)
+benchmark-tools := $(call stamp,benchmark-tools,requirements-benchmark.lock)
+build := $(call stamp,build,setup.py pyproject.toml ptl/__init__.py ptl/extensions.py $(PYX) $(wildcard ptl/*/*.pxd))
+
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build clean lock FORCE
+.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -57,30 +63,30 @@ beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 300
 	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
 	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
-benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
+benchmark: benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
 
-reliability: $(TEST_TOOLS) build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
+reliability: test-tools build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
 	.venv/bin/python tests/reliability.py $(if $(shell command -v slurmctld),--slurm)
 
-test: $(TEST_TOOLS) build  ## The quick test suite.
+test: test-tools build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
 
-test-browser: $(TEST_TOOLS) build  ## Report and explorer in headless Chromium (needs chromium and chromedriver).
+test-browser: test-tools build  ## Report and explorer in headless Chromium (needs chromium and chromedriver).
 	.venv/bin/python -m pytest -q -m browser
 
-test-slow: $(TEST_TOOLS) build  ## Tests that take minutes: kills, tutorials, other surroundings.
+test-slow: test-tools build  ## Tests that take minutes: kills, tutorials, other surroundings.
 	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m "slow and not exhaustive"
 
-test-exhaustive: $(TEST_TOOLS) build  ## Tests that take many minutes: repeated kills, another Python, one core.
+test-exhaustive: test-tools build  ## Tests that take many minutes: repeated kills, another Python, one core.
 	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m exhaustive
 
-test-slurm: $(TEST_TOOLS) build  ## Tests on a Slurm cluster of one node, started here as root.
+test-slurm: test-tools build  ## Tests on a Slurm cluster of one node, started here as root.
 	.venv/bin/python -m pytest -q -m slurm
 
 # A copy, because the extensions lie beside their sources. Tests at whose limits the sanitizers' own memory counts are
 # left out; the allocator of Python would hide reads behind the end of small objects.
-test-sanitizers: $(TEST_TOOLS) build  ## Kernel, graph and survey under address and undefined-behaviour sanitizers (gcc).
+test-sanitizers: test-tools build  ## Kernel, graph and survey under address and undefined-behaviour sanitizers (gcc).
 	rm -rf $(SANITIZED) && mkdir -p $(SANITIZED)
 	cp -R ptl tests config pyproject.toml README.md Snakefile $(SANITIZED)
 	sed 's/"-O3"/"-O1"/' setup.py > $(SANITIZED)/setup.py
@@ -93,37 +99,72 @@ test-sanitizers: $(TEST_TOOLS) build  ## Kernel, graph and survey under address 
 
 test-all: test test-slow test-exhaustive test-browser test-slurm  ## All of them.
 
-lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
+lint: test-tools build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
-	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/snakefmt --check Snakefile workflow ptl/skeleton ptl/skeleton_beyond
 	.venv/bin/lint-imports
 	.venv/bin/snakemake --lint
 	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
 
-format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint checks.
+format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
-	.venv/bin/snakefmt Snakefile workflow
+	.venv/bin/snakefmt Snakefile workflow ptl/skeleton ptl/skeleton_beyond
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl config-docs
 	.venv/bin/ptl readme
 
 build:  ## Install the package into .venv and compile its kernel.
-	@$(PYTHON) make_venv.py built
 
-# What is installed in .venv is kept in its stamp; these files are never made.
-.venv/.%: FORCE
-	@$(PYTHON) make_venv.py $*
+# One call at a time works on .venv, where there is flock. What a killed call leaves behind holds the lock as well.
+build test-tools benchmark-tools:
+	@$(if $(shell command -v flock),flock Makefile) $(MAKE) --no-print-directory $($@)
+
+# The folder that .venv was made in, which its scripts name; absent while packages are installed. So .venv is made anew
+# in another folder, under another Python and after a step that was killed.
+.venv/place: FORCE
+	@[ "$$(cat $@ 2>&1)" = "$$(pwd -P)" ] && .venv/bin/python -c "import pip" 2> /dev/null || { rm -rf .venv && \
+	  $(call try,$(PYTHON) -c "import sys; sys.exit(sys.version_info < (3, 11))",\
+	    Python 3.11 or newer is needed; name one with 'make PYTHON=python3.12 ...') && \
+	  $(call try,$(PYTHON) -m venv .venv,.venv cannot be made (on Debian or Ubuntu: apt-get install python3-venv)) && \
+	  pwd -P > $@; }
+
+# Exactly the locked packages. A package without a wheel is built with the locked tools, and no others.
+$(run-tools): locked = requirements.lock
+$(test-tools): locked = requirements-test.lock
+$(benchmark-tools): locked = requirements-benchmark.lock
+$(test-tools) $(benchmark-tools) $(build): $(run-tools)
+$(run-tools) $(test-tools) $(benchmark-tools): .venv/place
+	@echo Installing $(locked)
+	@rm -f $(firstword $(subst -tools-,-tools-* ,$@)) && mv .venv/place .venv/unfinished
+	@sed -n '/^setuptools==/,/[^\]$$/p' requirements.lock > .venv/setuptools.lock
+	@$(INSTALL) --require-hashes --requirement .venv/setuptools.lock
+	@$(INSTALL) --require-hashes --requirement $(locked)
+	@mv .venv/unfinished .venv/place && touch $@
+
+# Compiled anew from all sources, because the build compares times. Jobs may not be allowed to write bytecode, and would
+# compile their modules every time.
+$(build): $(if $(filter-out $(basename $(basename $(wildcard $(PYX:.pyx=.*.so)))),$(PYX:.pyx=)),FORCE)
+	@echo Building ptl
+	@$(call try,command -v $(firstword $(CC)) > /dev/null,\
+	  no C compiler found; ptl needs one (on Debian or Ubuntu: apt-get install build-essential))
+	@rm -rf .venv/build-* $(PYX:.pyx=.c) $(wildcard $(PYX:.pyx=.*.so)) .venv/lib/python*/site-packages/ptl-*.dist-info
+	@$(INSTALL) --no-deps --editable .
+	@.venv/bin/python -m compileall -q ptl
+	@touch $@
+
+INSTALL = .venv/bin/python -m pip install --quiet --no-build-isolation
+try = { $1 || { echo "error: $(strip $2)" >&2; exit 1; }; }
 
 FORCE:
 
 clean:  ## Remove results and workflow state (published products and .venv stay).
 	rm -rf results logs .snakemake build
 
-lock: $(TEST_TOOLS)  ## Resolve the locked requirements anew (needs uv).
+lock: test-tools  ## Resolve the locked requirements anew (needs uv).
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate pyproject.toml requirements-build.in -o requirements.lock
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \

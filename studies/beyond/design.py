@@ -15,7 +15,7 @@ from ptl.files.outside import learning_code
 from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code
 from ptl.files.schema import LEARNING, LIVES
 from ptl.keys import ConfigurationError, Group, key, repeated
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld, load_map, map_digest
 from ptl.world.mazes import FAMILIES, GOALS

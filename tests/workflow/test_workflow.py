@@ -99,6 +99,7 @@ def test_report_holds_the_products(tiny, tmp_path):
     [
         ("ptl/report/figures/maps.py", {"draw_figure": 1}, {"learn", "grow", "survey_batch", "measure"}),
         ("ptl/report/metric_tables.py", {"tabulate": 1}, {"learn", "grow", "survey_batch", "draw_figure"}),
+        ("ptl/errors.py", {}, {"learn"}),
         ("ptl/methods/policy_reuse.py", {"learn": 2}, {"grow", "survey_batch"}),
         ("ptl/agent/subgoals.py", {"learn": 6, "grow": 2}, {"library_cost"}),
     ],

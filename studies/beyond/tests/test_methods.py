@@ -13,7 +13,7 @@ from ptl.config import Parameters
 from ptl.files.outside import learning_code, record
 from ptl.files.results import write_learning
 from ptl.learning.life import learn_life, tasks_of
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.methods import beyond
 from ptl.report.explorer.data import collect
 from ptl.world.gridworld import GridWorld
