@@ -13,9 +13,9 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 from ptl.errors import UserError
-from ptl.files.atomic import remove_unfinished
 from ptl.files.checkout import check_checkout
 from ptl.files.configuration import read_yaml
+from ptl.files.lock import begin_run
 from ptl.files.outside import learning_code
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.question import digest_of
@@ -85,7 +85,7 @@ pathvars:
 
 
 onstart:
-    remove_unfinished(f"results/{STUDY.run}", f"reports/{STUDY.run}")
+    begin_run(f"results/{STUDY.run}", f"reports/{STUDY.run}")
 
 
 localrules:

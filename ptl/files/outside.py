@@ -14,7 +14,7 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import LEARNING, code_digest, imports_of
+from ptl.files.provenance import LEARNING_PACKAGES, code_digest, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
 
@@ -77,7 +77,7 @@ def record(reference: str, kind: type[BaseMethod]) -> dict[str, Any]:
 def learning_code(reference: str, *modules: str) -> str:
     """Return a digest of the sources that decide a life under a method.
 
-    These are the modules of `provenance.LEARNING` that a life imports and, of a method from elsewhere, its
+    These are the modules of `provenance.LEARNING_PACKAGES` that a life imports and, of a method from elsewhere, its
     `local_sources`. What this package's other modules read, write, check and word does not count.
 
     Parameters
@@ -96,7 +96,7 @@ def learning_code(reference: str, *modules: str) -> str:
             source = path.read_bytes()
             digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
             used |= imports_of(source.decode("utf-8", "replace"))
-    digest.update(code_digest(*sorted(used), within=(*LEARNING, *modules)).encode())
+    digest.update(code_digest(*sorted(used), within=(*LEARNING_PACKAGES, *modules)).encode())
     return digest.hexdigest()[:16]
 
 

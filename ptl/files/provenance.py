@@ -23,7 +23,7 @@ IMPORT = re.compile(r"^[ \t]*(?:from (ptl(?:\.\w+)*) import (\([^)]*\)|.*)|impor
 """Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
 
 
-LEARNING = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning")
+LEARNING_PACKAGES = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning")
 """Packages that decide what is learned from given parameters; what other modules do is read, write, check and word."""
 
 

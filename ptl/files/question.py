@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from ptl.errors import UserError
 from ptl.files.outside import RECORD, learning_code
-from ptl.files.provenance import LEARNING, code_digest
+from ptl.files.provenance import LEARNING_PACKAGES, code_digest
 from ptl.files.remedies import force, make_again
 from ptl.files.schema import FIT, FREQUENCIES, GAIN, GROWTH, LEARNING, LIVES, SETTING, STEPS
 from ptl.keys import shortened
@@ -293,7 +293,7 @@ def _present_code(kind: str, method: str) -> str:
 def lives_code(*modules: str) -> str:
     """Return a digest of the sources that lives of the second study depend on, a method's own ones included."""
     running = "ptl.study.population.running"
-    return code_digest(running, *modules, within=(*LEARNING, running))
+    return code_digest(running, *modules, within=(*LEARNING_PACKAGES, running))
 
 
 # -- place --------------------------------------------------------------------------------------------------------
