@@ -8,6 +8,7 @@ from typing import Any
 from projects import ROOMS as ROOMS_MAP
 
 from ptl.config import Parameters
+from ptl.files.outside import learning_code
 from ptl.files.provenance import code_digest
 from ptl.files.results import write_learning
 from ptl.learning.life import Life, learn_life, tasks_of
@@ -36,7 +37,9 @@ def origin(
         "seed": seed,
         "root_seed": ROOT_SEED,
         "parameters": parameters.to_dict(),
-        "code": code_digest(f"ptl.learning.{module}", f"ptl.methods.{method}"),
+        "code": learning_code(method)
+        if module == "life"
+        else code_digest(f"ptl.learning.{module}", f"ptl.methods.{method}"),
     }
 
 
