@@ -18,7 +18,7 @@ marks = [("start of Python", time.process_time())]
 import gc, json, sys
 import ptl.cli.learn, ptl.learning.life, ptl.files.results
 marks.append(("imports", time.process_time()))
-import ptl.files.provenance
+import ptl.files.outside
 from ptl.world.gridworld import load_map
 from ptl.config import Parameters
 path, method, output = sys.argv[1:]
@@ -27,7 +27,7 @@ tasks = ptl.learning.life.tasks_of(world, "".join(world.goals))
 marks.append(("reading the map", time.process_time()))
 life = ptl.learning.life.learn_life(world, tasks, method, Parameters(), 0, "benchmark", 0)
 marks.append(("learning", time.process_time()))
-digest = ptl.files.provenance.code_digest("ptl.learning.life", f"ptl.methods.{method}")
+digest = ptl.files.outside.learning_code(method)
 origin = dict(environment="benchmark", method=method, seed=0, root_seed=0, parameters=Parameters().to_dict(),
               code=digest)
 ptl.files.results.write_learning(output, life, world, origin)

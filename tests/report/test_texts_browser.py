@@ -51,7 +51,9 @@ def test_nothing_runs_and_nothing_is_loaded(browser, run, name):
             )
             browser.refresh()
     else:
-        WebDriverWait(browser, 20).until(lambda driver: DANGEROUS[0] in driver.page_source or DANGEROUS[0] in body(driver))
+        WebDriverWait(browser, 20).until(
+            lambda driver: DANGEROUS[0] in driver.page_source or DANGEROUS[0] in body(driver)
+        )
     assert browser.execute_script("return window.hacked") is None
     messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
     requests = [
