@@ -63,8 +63,10 @@ beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 300
 	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
 	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
-benchmark: benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
-	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
+# The learners are tested first, because only here all of them are installed.
+benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
+	.venv/bin/python -m pytest -q benchmarks -m "not slow"
+	.venv/bin/python -m benchmarks
 
 reliability: test-tools build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
 	.venv/bin/python tests/reliability.py $(if $(shell command -v slurmctld),--slurm)

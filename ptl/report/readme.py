@@ -82,7 +82,11 @@ def speed(published: Path) -> str:
     ratios = benchmark[benchmark["quantity"] == "ratio to plain Python"].set_index("item")["value"]
     lines = ["| learner | million steps with update per CPU second | times plain Python |", "|---|---:|---:|"]
     lines += [f"| {learner} | {number(rate / 1e6)} | {number(ratios[learner])} |" for learner, rate in rates.items()]
+    others = benchmark[benchmark["part"] == "published"].to_dict("records")
+    mark = "published, not measured here"
+    lines += [f"| {row['item']} ({mark}) | {number(row['value'] / 1e6)} | – |" for row in others]
     lines += ["", f"Measured on {machine['processor']}, {machine['cores']} cores, {machine['memory']}."]
+    lines += [f"Published, {row['item']}: {row['source']}." for row in others]
     return "\n".join(lines)
 
 

@@ -41,8 +41,7 @@ def test_imports_are_found_as_the_parser_finds_them():
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
         sources, imported = provenance._sources_and_imports(name)
         assert sources[0] == path and imported >= parsed_imports(path), name
-        # this one holds a program for another process as text
-        assert imported == parsed_imports(path) or name == "ptl.benchmark.startup", name
+        assert imported == parsed_imports(path), name
 
 
 def test_both_forms_of_imports_are_found(package):

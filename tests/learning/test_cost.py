@@ -18,10 +18,9 @@ from ptl import methods
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent._selection import SkillSelection
-from ptl.benchmark.probes import searches_of, world_of
 from ptl.config import Parameters
 from ptl.learning import life as learning
-from ptl.world import mazes
+from ptl.world import mazes, transitions
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 
@@ -150,6 +149,25 @@ def test_an_episode_of_ptl_makes_few_calls_for_each_skill_drawn(published_maps: 
 # -- searches ------------------------------------------------------------------------------------------------
 
 
+def searches_of(work: Callable[[], object]) -> int:
+    """Number of breadth-first searches that the work makes."""
+    with pytest.MonkeyPatch.context() as patch:
+        search, calls = transitions.breadth_first, []
+        patch.setattr(transitions, "breadth_first", lambda *arguments: calls.append(None) or search(*arguments))
+        work()
+    return len(calls)
+
+
+def world_of(kind: str, states: int) -> GridWorld:
+    """Return a world of a kind of `ptl.world.mazes` with about so many states and goal A."""
+    random = np.random.default_rng(states)
+    return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, getattr(mazes, kind)(random, states), "A")))
+
+
+def test_searches_are_counted(env2: GridWorld):
+    assert searches_of(lambda: env2.transitions.steps_to(0)) == 1
+
+
 @pytest.mark.parametrize("kind", ["chain", "rooms"])
 @pytest.mark.parametrize("states", [300, 3000, 30_000])
 def test_the_diameter_needs_few_searches(kind: str, states: int):
@@ -164,7 +182,11 @@ def test_the_diameter_of_open_ground_needs_few_searches():
 
 
 def test_the_diameter_of_a_ring_is_the_known_worst_case():
-    graph = TransitionGraph(world_of("ring", 200).successors)
+    grid = np.full((51, 51), mazes.FREE)
+    grid[1:-1, 1:-1] = mazes.WALL
+    graph = TransitionGraph(
+        GridWorld.from_text(mazes.to_text(mazes.with_letters(np.random.default_rng(0), grid, "A"))).successors
+    )
     assert graph.diameter() == 100
     assert searches_of(graph.diameter) <= 201
 

@@ -1,15 +1,53 @@
-"""Loops that Numba compiles when they are first called: Q-learning as its users write it, and two bare limits."""
+"""Loops that Numba compiles when they are first called: Q-learning as its users write it, and a bare walk."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
 
 import numba
 import numpy as np
 
+from benchmarks.learners import Task
+
+
+class NumbaLoop:
+    """One loop over arrays."""
+
+    def __init__(self, task: Task, seed: int) -> None:
+        self.q = np.zeros(task.successors.shape)
+        generator = np.random.default_rng(seed)
+        parameters = (task.alpha, task.gamma, task.epsilon)
+        self._arguments = (task.successors, self.q, task.start, task.goal, *parameters, generator)
+        self.run(0)  # compiles the loop
+
+    def run(self, episodes: int) -> int:
+        """Learn; return the number of steps."""
+        return _learn(*self._arguments, episodes)
+
+
+class BareWalk:
+    """A random walk to the goal that learns and records nothing, with random bits drawn beforehand.
+
+    Each look-up waits for the one before it, so this bounds the speed of a learner that takes one step after another.
+    With ``stride`` 2 a look-up gives the state two steps on; the step that would leave the goal counts as well.
+    """
+
+    def __init__(self, task: Task, seed: int, stride: int = 1) -> None:
+        table = task.successors.copy()
+        table[task.goal] = task.goal
+        if stride == 2:
+            table = table[table].reshape(len(table), 16)
+        self._stride, bits = stride, 2 * stride
+        places = (task.start << bits, task.goal << bits)
+        words = np.random.SFC64(seed).random_raw(2**12)
+        self._arguments = ((table << bits).astype(np.uint32).ravel(), bits, *places, words)
+        self.run(0)  # compiles the loop
+
+    def run(self, episodes: int) -> int:
+        """Walk; return the number of steps."""
+        return self._stride * _walk(*self._arguments, episodes)
+
 
 @numba.njit
-def learn(
+def _learn(
     successors: np.ndarray,
     q: np.ndarray,
     start: int,
@@ -20,7 +58,7 @@ def learn(
     generator: np.random.Generator,
     episodes: int,
 ) -> int:
-    """Learn some episodes in place in ``q``, ties broken uniformly; return the number of steps taken."""
+    """Learn some episodes in place in ``q``; return the number of steps."""
     steps = 0
     for _ in range(episodes):
         state = start
@@ -49,18 +87,16 @@ def learn(
 
 
 @numba.njit
-def walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray, episodes: int) -> int:
-    """Walk at random from ``start`` to ``goal``, some times; return the number of look-ups.
-
-    Nothing but what each look-up needs to know from the one before: an index and ``bits`` random bits.
+def _walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray, episodes: int) -> int:
+    """Walk from ``start`` to ``goal`` some times; return the number of look-ups.
 
     Parameters
     ----------
     table : uint32 array, shape (n_states * 2**bits,)
         Index of the first of the next state's entries; ``start`` and ``goal`` are such indices too.
     words : uint64 array, shape (k,)
-        Random words, so that drawing them costs nothing. They are used over and over, each time under another mask: the
-        very same words again could lead round in a circle for ever.
+        Random words. They are reused, each time under another mask: the same words again could lead round in a circle
+        for ever.
     """
     lookups, place, left = 0, 0, 0
     word, shift, mask = np.uint64(0), np.uint64(bits), np.uint64((1 << bits) - 1)
@@ -80,12 +116,3 @@ def walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray,
             left -= 1
             lookups += 1
     return lookups
-
-
-@numba.njit
-def draw(next_word: Callable[[int], int], state: int, number: int) -> np.uint64:
-    """Call a bit generator's C function a number of times, as the kernel does; return the words' exclusive or."""
-    mixed = np.uint64(0)
-    for _ in range(number):
-        mixed ^= next_word(state)
-    return mixed
