@@ -26,11 +26,9 @@ export PIP_DISABLE_PIP_VERSION_CHECK = 1
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-# The published products are tracked. Before a first run they are made to look old, so that it makes all of them again,
-# even if it is interrupted; without git a copy is kept to compare with.
+# The published products are tracked; without git a copy of them is kept to compare with.
 reproduce: build  ## Everything: all runs, tables, figures, verdicts and reports/published/report.html.
 	$(if $(wildcard .git .published results/published),,$(if $(wildcard reports/published),cp -R reports/published .published))
-	$(if $(wildcard results/published),,$(if $(wildcard reports/published),find reports/published -type f -exec touch -t 200001010000 {} +))
 	$(SNAKEMAKE)
 	$(SNAKEMAKE) --report reports/published/report.html
 	@echo "Open reports/published/index.html in a browser; report.html beside it is Snakemake's report."
@@ -116,8 +114,7 @@ format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/snakefmt Snakefile workflow ptl/skeleton ptl/skeleton_beyond
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
-	.venv/bin/ptl config-docs
-	.venv/bin/ptl readme
+	.venv/bin/ptl docs
 
 build:  ## Install the package into .venv and compile its kernel.
 

@@ -19,7 +19,7 @@ from ptl.files.checkout import check_checkout
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
 """What people call, in the order of the help."""
 
-UPKEEP = ("config-docs", "population", "readme")
+UPKEEP = ("docs",)
 """What keeps the files of this package up to date."""
 
 
