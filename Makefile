@@ -21,7 +21,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
+.PHONY: help reproduce smoke report beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -41,12 +41,6 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
-
-robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (a quarter of an hour).
-	$(SNAKEMAKE) robustness
-
-fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).
-	$(SNAKEMAKE) fit
 
 beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
 	$(BEYOND)
@@ -103,15 +97,16 @@ lint: test-tools build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
-	.venv/bin/snakefmt --check Snakefile workflow ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt --check Snakefile workflow studies ptl/skeleton ptl/skeleton_beyond
 	.venv/bin/lint-imports
 	.venv/bin/snakemake --lint
+	$(foreach file,$(LINTED_SNAKEFILES),.venv/bin/snakemake --lint --snakefile $(file) &&) true
 	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
 
 format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
-	.venv/bin/snakefmt Snakefile workflow ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt Snakefile workflow studies ptl/skeleton ptl/skeleton_beyond
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl docs
@@ -172,3 +167,5 @@ lock: test-tools  ## Resolve the locked requirements anew (needs uv).
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate requirements-benchmark.in -c requirements.lock \
 	  -o requirements-benchmark.lock
+
+-include studies/*/study.mk
