@@ -7,6 +7,7 @@ SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
 SANITIZED = build/sanitizers
 SANITIZE = -fsanitize=address,undefined
 CALLS = 5000
+SNAKEFILES = Snakefile
 BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
 
 # The steps that make .venv, each with its stamp, whose name has the checksum of the files that the step is made from.
@@ -97,16 +98,15 @@ lint: test-tools build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
-	.venv/bin/snakefmt --check Snakefile workflow studies ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt --check workflow $(SNAKEFILES) ptl/skeleton ptl/skeleton_beyond
 	.venv/bin/lint-imports
-	.venv/bin/snakemake --lint
-	$(foreach file,$(LINTED_SNAKEFILES),.venv/bin/snakemake --lint --snakefile $(file) &&) true
+	for file in $(SNAKEFILES); do .venv/bin/snakemake --lint --snakefile $$file || exit 1; done
 	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
 
 format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
-	.venv/bin/snakefmt Snakefile workflow studies ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt workflow $(SNAKEFILES) ptl/skeleton ptl/skeleton_beyond
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl docs
@@ -168,4 +168,5 @@ lock: test-tools  ## Resolve the locked requirements anew (needs uv).
 	  --no-emit-index-url --no-header --no-annotate requirements-benchmark.in -c requirements.lock \
 	  -o requirements-benchmark.lock
 
+# Targets of studies, which also name their Snakefiles.
 -include studies/*/study.mk
