@@ -537,7 +537,7 @@ def test_the_workflow_makes_remakes_and_refuses(tmp_path: Path) -> None:
     assert project.waiting(*arguments)["learn_setting"] == 1
     file.write_text(yaml.safe_dump(TINY_STUDY | {"replicates": 0}))
     [line] = errors_of(project.snakemake("-n", *arguments))
-    assert "robustness.yaml: replicates" in line
+    assert "robustness.yaml" in line and "replicates: 0 is not allowed" in line
     file.write_text(yaml.safe_dump(TINY_STUDY))
     project.make(*arguments)
     assert project.files("reports/robustness") == products
