@@ -8,13 +8,15 @@ from pathlib import Path
 import click
 
 CONFIG, FORMATS, README = Path("config/README.md"), Path("docs/file-format.md"), Path("README.md")
-PUBLISHED = Path("reports/published")
+PUBLISHED, STUDIES = Path("reports/published"), Path("studies")
 
 
 @click.command()
 @click.option("--schema", is_flag=True, help="Print a JSON schema of the configuration for editors instead.")
 def command(schema: bool) -> None:
-    """Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run."""
+    """Bring config/README.md, docs/file-format.md, README.md and the pages of studies up to date with the code."""
+    from ptl.files.job import KINDS
+    from ptl.jobs.kinds import register_studies
     from ptl.report import config_page, format_tables, readme
 
     if schema:
@@ -23,6 +25,9 @@ def command(schema: bool) -> None:
     _rewrite(CONFIG, _with_tables)
     _rewrite(FORMATS, format_tables.filled)
     _rewrite(README, lambda page: readme.filled(page, PUBLISHED))
+    register_studies()
+    for path in sorted(STUDIES.glob("*/README.md")):
+        _rewrite(path, lambda page: format_tables.filled(page, KINDS.values()))
 
 
 def _with_tables(page: str) -> str:

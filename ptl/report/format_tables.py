@@ -1,9 +1,9 @@
-"""The tables of ``docs/file-format.md``: what decides a result file of each kind, and what it holds."""
+"""The tables of ``docs/file-format.md`` and of studies: what decides a result file of each kind, and what it holds."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, get_args
 
 import msgspec
@@ -16,9 +16,9 @@ from ptl.jobs import Grow, Learn, Libraries, Lives, Survey
 KINDS: tuple[type[Job], ...] = (Learn, Grow, Survey, Lives, Libraries)
 
 
-def filled(page: str) -> str:
-    """Return a page with the tables between each pair of marks made anew."""
-    for kind in KINDS:
+def filled(page: str, kinds: Iterable[type[Job]] = KINDS) -> str:
+    """Return a page with the tables between each pair of marks, which are named after a kind, made anew."""
+    for kind in kinds:
         name = kind.__name__
         begin, end = (f"<!-- {name}, {word} -->" for word in ("begin", "end"))
         before, mark, rest = page.partition(begin)
@@ -41,7 +41,9 @@ def tables(kind: type[Job]) -> str:
 
 
 def _description(annotated: Any) -> str:
-    return next((part.description for part in get_args(annotated)[1:] if isinstance(part, Meta) and part.description), "")
+    return next(
+        (part.description for part in get_args(annotated)[1:] if isinstance(part, Meta) and part.description), ""
+    )
 
 
 def _table(headings: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> Iterator[str]:
