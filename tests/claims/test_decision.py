@@ -60,9 +60,11 @@ def test_growing_lives_are_those_of_the_growth_experiment() -> None:
 
 def jobs_of(environments: tuple[str, ...] = ("env2", "env3", "mine"), **changes: object) -> dict:
     entry = {"map": str(MAPS / "env2.txt"), "tasks": "AB"}
-    given = {"run": "x", "environments": dict.fromkeys(environments, entry), "methods": ["no_transfer", "ptl"],
-             "learning": {"episodes": 12}, "growth": {"environment": environments[-1], "tasks": 8},
-             "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10}}  # fmt: skip
+    given = {
+        "run": "x", "environments": dict.fromkeys(environments, entry), "methods": ["no_transfer", "ptl"],
+        "learning": {"episodes": 12}, "growth": {"environment": environments[-1], "tasks": 8},
+        "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10},
+    }  # fmt: skip
     return decision_jobs(Configuration.from_dict(given | changes), dict.fromkeys(environments, DIGEST))
 
 

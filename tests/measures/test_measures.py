@@ -164,7 +164,9 @@ def test_tasks_keep_the_order_in_which_they_were_learned():
     assert found.subgoals[["seed", "task"]].to_numpy().tolist() == [[seed, task] for seed in (0, 1) for task in "CAB"]
 
 
-@pytest.mark.parametrize("base", [[], [runs("no_transfer", [9, 9, 9])], [runs("no_transfer", *[[9] * 3] * 2, task="B")]])
+@pytest.mark.parametrize(
+    "base", [[], [runs("no_transfer", [9, 9, 9])], [runs("no_transfer", [9, 9, 9], [9, 9, 9], task="B")]]
+)
 def test_without_a_base_of_every_seed_comparisons_are_empty(base):
     frame = measured(runs("ptl", [40, 10, 8], [41, 10, 8]), *base).per_seed.query("method == 'ptl'")
     assert frame["jump_start"].isna().all()

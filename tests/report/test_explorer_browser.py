@@ -163,7 +163,8 @@ def test_opened_records_are_those_of_the_file(browser, files, read):
               guides: record.guides.map((guide) => [guide.subgoal, guide.from])});
       });
     """
-    shown = browser.execute_async_script(bundle(PURE_MODULES) + script, pack(collect(read_lives(*files), window=WINDOW)))
+    packed = pack(collect(read_lives(*files), window=WINDOW))
+    shown = browser.execute_async_script(bundle(PURE_MODULES) + script, packed)
     file = read("chain", "ptl", 3)
     task = file.tasks["B"]
     np.testing.assert_allclose(shown["value"], task.q.max(axis=1), rtol=1.2e-4)
