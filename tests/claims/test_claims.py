@@ -29,7 +29,7 @@ from ptl.claims import places, thresholds
 from ptl.claims.evidence import Evidence, Lacking, read_evidence, settings_of
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
-from ptl.measures.measure_files import write_steps
+from ptl.measures.run_files import write_steps
 from ptl.measures.statistics import Estimate
 from ptl.world.gridworld import GridWorld, load_map
 

@@ -12,7 +12,8 @@ from ptl.errors import UserError
 from ptl.files import store
 from ptl.files.csv import write_csv
 from ptl.jobs.grow import Grow
-from ptl.measures.growth import TwoSlopes, fit_two_slopes, library_sizes, read_sizes
+from ptl.measures.growth import TwoSlopes, fit_two_slopes
+from ptl.measures.run_files import library_sizes, read_sizes
 from ptl.report.figures.bands import mean_band
 from ptl.report.figures.growth import growth_frame
 from ptl.world.gridworld import map_digest

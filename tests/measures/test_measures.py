@@ -16,7 +16,7 @@ from ptl.errors import UserError
 from ptl.jobs.learn import tasks_in
 from ptl.learning.discoveries import Found, found
 from ptl.measures import measures, statistics
-from ptl.measures.measure_files import measure_files, read_steps, write_steps
+from ptl.measures.run_files import measure_files, read_steps, write_steps
 from ptl.measures.measures import MEASURES, Curves, Runs
 from ptl.world.gridworld import GridWorld
 

@@ -21,7 +21,7 @@ from ptl.files import store
 from ptl.jobs.learn import skills_of, tasks_in
 from ptl.jobs.survey import Survey
 from ptl.measures.growth import TwoSlopes
-from ptl.measures.measure_files import read_steps, write_steps
+from ptl.measures.run_files import read_steps, write_steps
 from ptl.report.figures import cells, figures, left_out, saving, style
 from ptl.report.figures.measures import trailing_mean
 from ptl.report.script import Script
