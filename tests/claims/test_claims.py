@@ -26,7 +26,8 @@ from projects import FIRST_MAPS
 
 from ptl import claims
 from ptl.claims import places, thresholds
-from ptl.claims.evidence import Evidence, Lacking, read_evidence, settings_of
+from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence_files import read_evidence
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
 from ptl.measures.run_files import write_steps

@@ -16,8 +16,8 @@ from ptl.errors import UserError
 from ptl.jobs.learn import tasks_in
 from ptl.learning.discoveries import Found, found
 from ptl.measures import measures, statistics
-from ptl.measures.run_files import measure_files, read_steps, write_steps
 from ptl.measures.measures import MEASURES, Curves, Runs
+from ptl.measures.run_files import measure_files, read_steps, write_steps
 from ptl.world.gridworld import GridWorld
 
 BASE = np.array([[100, 50, 10, 10], [200, 30, 20, 10]])

@@ -388,7 +388,6 @@ def test_a_file_of_another_job_is_refused(kind: str, name: str, inputs: Path, tm
         ("growth", "growth", "run,tasks,library_size\n0,0,0\n0,1,1\n1,0,0\n", "different numbers of tasks"),
         ("growth", "growth", "", "cannot be read as CSV"),
         ("library_cost", "selection_cost", "skills,operations\n1,4\n", "two library sizes"),
-        ("library_cost", "selection_cost", "skills,operations\n1,4\n2,many\n", "'operations'"),
         ("library_cost", "library_bytes", "states,bytes\n1,1\n", "no column 'skills'"),
     ],
 )

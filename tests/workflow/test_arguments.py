@@ -37,7 +37,7 @@ def changed(**values: object) -> str:
         *((*RUN, changed(**{name: odd})) for name in ("seed", "root_seed") for odd in (-7, 10**30, "1", 1.5, None)),
         *((*RUN, changed(tasks=odd)) for odd in ("", "AA", "AZ", "{", 7)),
         *((*RUN, changed(method=odd, reference=odd)) for odd in ("none", "{", "none.py", "none:None")),
-        *((*RUN, changed(parameters=odd)) for odd in ([], {"lerning": {}}, {"learning": {"alpha": 5}}, {"learning": 3})),
+        *((*RUN, changed(parameters=odd)) for odd in ([], {"lerning": {}}, {"learning": {"alpha": 5}}, {"skills": 3})),
         *((*RUN, changed(own=odd)) for odd in ([], {"luck": 1})),
         *((*RUN, changed(**odd)) for odd in ({"odd": 1}, {"code": "x"}, {"maps": {}}, {"environment": "../e"})),
         (*RUN, changed(maps={"env3": "0" * 16})), (*RUN, changed(environment="other")),
