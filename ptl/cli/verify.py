@@ -92,9 +92,18 @@ def _check_result(path: Path, any_code: bool) -> bool:
     top = job.place.split("/")[0]
     if top in path.absolute().parts and not path.absolute().as_posix().endswith(f"/{job.place}"):
         raise UserError(f"{path}: is the file {job.place} of a run; {AGAIN}")
-    if not any_code and job.sources() not in {None, job.code}:
+    if not any_code and _present_code(path, job) not in {None, job.code}:
         raise UserError(f"{path}: was made with another version of the code; {AGAIN}")
     return planned is None or wanted is not None
+
+
+def _present_code(path: Path, job: Job) -> str | None:
+    from ptl.errors import UserError
+
+    try:
+        return job.sources()
+    except UserError as error:
+        raise UserError(f"{path}: its code cannot be compared with the present one: {error}") from error
 
 
 def _planned_for(path: Path) -> tuple[Path, Mapping[str, Job]] | None:
