@@ -89,8 +89,8 @@ def _check_result(path: Path, any_code: bool) -> bool:
         folder, jobs = planned
         wanted = jobs.get(path.absolute().relative_to(folder).as_posix())
     job = read(path, None if any_code else wanted).job
-    top = job.place.split("/")[0]
-    if top in path.absolute().parts and not path.absolute().as_posix().endswith(f"/{job.place}"):
+    _, found, place = path.absolute().as_posix().rpartition("/results/")
+    if found and place.partition("/")[2] != job.place:
         raise UserError(f"{path}: is the file {job.place} of a run; {AGAIN}")
     if not any_code and _present_code(path, job) not in {None, job.code}:
         raise UserError(f"{path}: was made with another version of the code; {AGAIN}")

@@ -41,7 +41,7 @@ AGAIN = "remove it and run the same command again ('ptl verify --remove results'
 """Remedy for a file that cannot be used."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """A result file in memory.
 

@@ -41,7 +41,9 @@ def tables(kind: type[Job]) -> str:
 
 
 def _description(annotated: Any) -> str:
-    return next((part.description for part in get_args(annotated)[1:] if isinstance(part, Meta) and part.description), "")
+    return next(
+        (part.description for part in get_args(annotated)[1:] if isinstance(part, Meta) and part.description), ""
+    )
 
 
 def _table(headings: tuple[str, ...], rows: Iterator[tuple[str, ...]]) -> Iterator[str]:

@@ -377,7 +377,10 @@ class Searcher:
         return "final" if stage.startswith("final") else "screen"
 
     def _kept(self, unit: Mapping[str, Any], learn: Callable[[], dict[str, np.ndarray]]) -> dict[str, np.ndarray]:
-        modules = ("ptl.learning.lives", *[f"ptl.methods.{method}" for method in (unit["method"],) if method != "growth"])
+        modules = (
+            "ptl.learning.lives",
+            *[f"ptl.methods.{method}" for method in (unit["method"],) if method != "growth"],
+        )
         whole = {**unit, "root_seed": self.config.root_seed, "code": code_digest(*modules)}
         name = hashlib.sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()[:32]
         path = self.folder / f"{name}.h5"

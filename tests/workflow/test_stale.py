@@ -113,7 +113,10 @@ def test_a_renamed_environment_is_learned_anew_and_its_old_files_are_named(run: 
     assert run.waiting()["learn"] == LEARNED // 2
     run.make()
     done = run.ptl("verify", "results/tiny")
-    assert done.returncode == 0 and f"left from another configuration, may be removed: {LEARNED // 2 + 1} files" in done.stdout
+    assert (
+        done.returncode == 0
+        and f"left from another configuration, may be removed: {LEARNED // 2 + 1} files" in done.stdout
+    )
     for product in (run.folder / "reports/tiny/tables").glob("*.csv"):
         assert "rooms" not in product.read_text(), product
 
