@@ -41,9 +41,8 @@ def command(
     Maps, tasks and methods are checked before anything is written.
     """
     from ptl.cli.config_docs import tables
-    from ptl.deployment import new_population_study, new_study
+    from ptl.deployment import new_study
     from ptl.errors import UserError
-    from ptl.files.atomic import write_text
     from ptl.measures.measures import BASE
 
     for option, given, needed in (
@@ -54,6 +53,8 @@ def command(
         if given and not needed:
             raise UserError(f"{option}: give either --map, or --population with --maps-per-family and --lives")
     if population:
+        from ptl.deployment_beyond import new_population_study
+
         config = new_population_study(
             folder, population, maps=maps_per_family, seeds=seeds, episodes=episodes, chosen=methods, lives=lives
         )
@@ -63,7 +64,8 @@ def command(
     if not maps:
         raise UserError("--map: name the file of a map, or --population for the maps of the second study")
     config = new_study(folder, maps, tasks=tasks, seeds=seeds, episodes=episodes, chosen=methods)
-    write_text(folder / "config/README.md", f"# Keys of the configuration\n\n{tables()}")
+    with (folder / "config/README.md").open("a", encoding="utf-8") as file:
+        file.write(tables())
     for name, entry in config["environments"].items():
         click.echo(f"environment {name}: tasks {', '.join(entry['tasks'])}")
     click.echo(f"methods: {', '.join(config['methods'])}")

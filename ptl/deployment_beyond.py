@@ -1,0 +1,75 @@
+"""New folders in which the second study runs on methods of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from ptl import methods
+from ptl.deployment import PACKAGE, method_files, name_in_study, run_name, shared_folder, write_study
+from ptl.errors import UserError
+from ptl.files.configuration import read_yaml
+from ptl.keys import repeated
+from ptl.methods import beyond
+from ptl.study.population.collect import foreign_lives
+from ptl.study.population.design import Study
+from ptl.world.population import MAPS, POPULATION, SIZE
+
+BEYOND = shared_folder("workflow") / "beyond.smk"
+"""The workflow of the second study, to be included by the Snakefile of a study on its maps."""
+
+POPULATION_TABLE = shared_folder("config") / "population.csv"
+"""The maps of the second study."""
+
+
+def new_population_study(
+    folder: Path,
+    band: str,
+    *,
+    maps: int | None = None,
+    seeds: int | None = None,
+    episodes: int | None = None,
+    chosen: Sequence[str] = (),
+    lives: Sequence[Path] = (),
+) -> dict[str, Any]:
+    """Make a folder in which the second study runs on methods of one's own, and return its configuration.
+
+    Parameters
+    ----------
+    folder : path
+        Must be absent or empty; the run is called after it.
+    band : {"tuning", "test"}
+        Tune on the first, report on the second.
+    maps, seeds, episodes : int, optional
+        Maps of each family, lives on each, episodes of a task; by default as in the published study.
+    chosen : sequence of str
+        Methods to run, those of `ptl.methods.beyond` among them; files are copied into the folder.
+    lives : sequence of paths
+        Tables of lives of other methods (columns of ``per_life.csv``), copied into the folder.
+
+    Raises
+    ------
+    UserError
+        One line on the first thing that is wrong, before anything is written.
+    """
+    run = run_name(folder)
+    references = methods.by_identifier(map(beyond.reference, chosen)).values()
+    published = read_yaml(shared_folder("config") / "beyond.yaml")
+    config: dict[str, Any] = {
+        "run": run,
+        "band": band,
+        "maps": maps or min(published["maps"], MAPS[band, SIZE]),
+        "seeds": seeds or published["seeds"],
+        "methods": [name_in_study(name) for name in chosen],
+        "foreign_lives": [f"lives/{path.name}" for path in lives],
+    }
+    if episodes is not None:
+        config["learning"] = {"episodes": episodes}
+    if twice := repeated(config["foreign_lives"]):
+        raise UserError(f"--lives: two files are called {Path(twice[0]).name}; rename one of them")
+    checked = {"methods": list(chosen), "foreign_lives": [str(path) for path in lives]}
+    foreign_lives(Study.read({**config, **checked, "population": str(POPULATION_TABLE)}))
+    files = {Path("lives", path.name): path for path in lives} | {Path(POPULATION): POPULATION_TABLE}
+    write_study(folder, config, files | method_files(references), PACKAGE / "skeleton_beyond")
+    return config
