@@ -9,13 +9,13 @@ SNAKEMAKE = .venv/bin/ptl workflow --cores $(CORES)
 SANITIZED = build/sanitizers
 SANITIZE = -fsanitize=address,undefined
 CALLS = 5000
-BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
+SNAKEFILES = Snakefile
 
 export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build clean lock FORCE
+.PHONY: help reproduce smoke report robustness fit benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -43,19 +43,6 @@ robustness: build  ## Vary what the article leaves open: reports/published/robus
 
 fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).
 	$(SNAKEMAKE) fit
-
-beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
-	$(BEYOND)
-	@echo "Open reports/beyond/index.html in a browser."
-	@.venv/bin/ptl verify reports/beyond --against published --exit-zero
-
-beyond-smoke: build  ## The second study on a small configuration, in two minutes.
-	$(BEYOND) --configfile config/beyond.yaml config/beyond_smoke.yaml
-	@echo "Open reports/beyond_smoke/index.html in a browser."
-
-beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 3000 states (hours).
-	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
-	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
 benchmark: $(BENCHMARK_TOOLS) build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	$(SNAKEMAKE) benchmark --forcerun compare_speed measure_scaling
@@ -97,15 +84,14 @@ lint: $(TEST_TOOLS) build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
-	.venv/bin/snakefmt --check Snakefile workflow
+	.venv/bin/snakefmt --check workflow $(SNAKEFILES)
 	.venv/bin/lint-imports
-	.venv/bin/snakemake --lint
-	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
+	for file in $(SNAKEFILES); do .venv/bin/snakemake --lint --snakefile $$file || exit 1; done
 
 format: $(TEST_TOOLS)  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
-	.venv/bin/snakefmt Snakefile workflow
+	.venv/bin/snakefmt workflow $(SNAKEFILES)
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl config-docs
@@ -132,3 +118,6 @@ lock: $(TEST_TOOLS)  ## Resolve the locked requirements anew (needs uv).
 	uv pip compile --quiet --universal --fork-strategy fewest --python-version 3.11 --generate-hashes \
 	  --no-emit-index-url --no-header --no-annotate requirements-benchmark.in -c requirements.lock \
 	  -o requirements-benchmark.lock
+
+# Targets of studies, which also name their Snakefiles.
+-include studies/*/study.mk

@@ -18,7 +18,7 @@ from ptl.errors import UserError, printable
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
 """What people call, in the order of the help."""
 
-UPKEEP = ("config-docs", "population", "readme")
+UPKEEP = ("config-docs", "readme")
 """What keeps the files of this package up to date."""
 
 

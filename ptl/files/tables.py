@@ -13,8 +13,9 @@ import pandas as pd
 from ptl.errors import UserError
 from ptl.files.csv import read_csv
 from ptl.files.store import AGAIN
+from ptl.keys import shortened
 
-NAMES = ("environment", "task", "method", "family", "map", "sequence")
+NAMES = ("environment", "task", "method")
 """Columns whose values are text, whatever they look like."""
 
 
@@ -61,10 +62,8 @@ STEPS, SHARE = Numbers(1), Numbers(high=1, missing=True)
 
 COLUMNS = {
     "seed": COUNT, "run": COUNT, "tasks": COUNT, "library_size": COUNT, "skills": COUNT, "operations": COUNT,
-    "states": COUNT, "bytes": COUNT, "size": COUNT, "truncated": COUNT, "parts": COUNT, "parts_holding": COUNT,
-    "per_task": COUNT,
+    "states": COUNT, "bytes": COUNT, "truncated": COUNT, "parts": COUNT, "parts_holding": COUNT,
     "first_episode": STEPS, "asymptotic": STEPS, "total_steps": STEPS, "steps": STEPS,
-    "optimum": COUNT, "winding": Numbers(0),
     "threshold_episode": Numbers(1, whole=True, missing=True),
     "jump_start": Numbers(missing=True), "transfer_ratio": SHARE,
     "subgoal": STATE, "incremental_peak": STATE, "original_peak": STATE,
@@ -74,23 +73,57 @@ COLUMNS = {
 """Columns of numbers, by their names in every table; -1 stands for no state."""
 
 
-def read_table(path: str | Path, columns: Iterable[str]) -> pd.DataFrame:
+def read_table(path: str | Path, columns: Iterable[str], texts: Iterable[str] = ()) -> pd.DataFrame:
     """Read a CSV table; only empty cells are missing values.
 
     Parameters
     ----------
     columns : iterable of str
         Columns that must be there.
+    texts : iterable of str
+        Columns whose values are text, beside `NAMES`.
 
     Raises
     ------
     UserError
         When the file cannot be read, lacks one of the columns or holds in one of them what it cannot hold.
     """
-    frame = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=[""])
+    frame = read_csv(path, dtype=dict.fromkeys((*NAMES, *texts), str), keep_default_na=False, na_values=[""])
     for column in columns:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; {AGAIN}")
         if column in COLUMNS and not COLUMNS[column].hold(frame[column]):
             raise UserError(f"{path}: column {column!r} must hold {COLUMNS[column]}; {AGAIN}")
     return frame
+
+
+def check_numbers(
+    frame: pd.DataFrame, path: str | Path, columns: Iterable[str], *, low: float | None = None, missing: bool = False
+) -> None:
+    """Check the numbers of a table that another program may have written: they must be finite.
+
+    Parameters
+    ----------
+    low : float, optional
+        Minimum of whole numbers; without it any numbers are allowed.
+    missing : bool
+        Whether cells may be empty.
+
+    Raises
+    ------
+    UserError
+        Naming the first other value, with its row and column.
+    """
+    wanted = "a number" if low is None else f"a whole number from {low:g} up"
+    for column in columns:
+        cells = frame[column]
+        values = pd.to_numeric(cells.astype(str), errors="coerce")  # as text, because True is no number
+        wrong = ~np.isfinite(values)
+        if low is not None:
+            wrong |= (values < low) | (values != np.floor(values))
+        if missing:
+            wrong &= cells.notna()
+        if wrong.any():
+            row = int(wrong.to_numpy().argmax())
+            value = "" if pd.isna(cells.iloc[row]) else shortened(str(cells.iloc[row]))
+            raise UserError(f"{path}: row {row + 1}: {column} {value!r} is not allowed; give {wanted}")
