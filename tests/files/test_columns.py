@@ -11,7 +11,6 @@ from ptl.files.tables import COLUMNS, NAMES, read_table
 from ptl.measures.growth import COLUMNS as GROWTH_COLUMNS
 from ptl.measures.library_cost import SELECTION_COLUMNS, STORAGE_COLUMNS
 from ptl.measures.measures import PER_SEED_COLUMNS, SUBGOAL_COLUMNS
-from studies.beyond.collect import LIFE_COLUMNS, TASK_COLUMNS, read_tasks
 
 TABLES = ("per_seed", "subgoals", "growth", "selection_cost", "library_bytes")
 
@@ -25,7 +24,7 @@ def test_published_tables_hold_what_they_can(name):
 def test_every_column_of_numbers_is_declared():
     texts = {*NAMES, "reason", "task"}
     costs = (SELECTION_COLUMNS, STORAGE_COLUMNS)
-    for columns in (*costs, GROWTH_COLUMNS, PER_SEED_COLUMNS, SUBGOAL_COLUMNS, LIFE_COLUMNS, TASK_COLUMNS):
+    for columns in (*costs, GROWTH_COLUMNS, PER_SEED_COLUMNS, SUBGOAL_COLUMNS):
         assert set(columns) - texts <= set(COLUMNS)
 
 
@@ -50,13 +49,3 @@ def test_what_a_column_cannot_hold_is_refused_in_one_line(column, tmp_path, reco
         assert str(COLUMNS[column]) in str(caught.value) and "\n" not in str(caught.value)
     path.write_text(f"{column},other\n1,0\n" + ",0\n" * COLUMNS[column].missing)
     assert len(read_table(path, [column])) == 1 + COLUMNS[column].missing
-
-
-def test_tasks_that_are_counted_are_numbers(tmp_path):
-    path = tmp_path / "tasks.csv"
-    rows = ["chain", "m", "300", "increasing", "ptl", "0", "0", "1", "10", "5", "8", "0", "1", "300", "0.5"]
-    path.write_text(",".join(TASK_COLUMNS) + "\n" + ",".join(rows) + "\n")
-    assert read_tasks(path)["task"].tolist() == [1]
-    path.write_text(path.read_text().replace(",1,10,", ",A,10,"))
-    with pytest.raises(UserError, match="column 'task' must hold whole numbers from 0 up"):
-        read_tasks(path)

@@ -9,9 +9,8 @@ from projects import ROOT
 
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
-from ptl.measures.cost import MOST_JOBS, Cost, check_cost, cost_of, cost_of_lives, cost_of_settings
+from ptl.measures.cost import MOST_JOBS, Cost, check_cost, cost_of, cost_of_settings
 from ptl.world.gridworld import load_map
-from studies.beyond import design
 from studies.robustness.design import jobs_of
 from studies.robustness.design import read_study as read_robustness
 
@@ -47,7 +46,7 @@ def totals():
 
 
 def test_the_published_studies_cost_about_what_they_took(published):
-    """Minutes that docs/performance.md and docs/beyond.md state; steps as published."""
+    """Minutes that docs/performance.md states; steps as published."""
     import pandas as pd
 
     worlds = {name: load_map(entry.map) for name, entry in published.environments.items()}
@@ -57,16 +56,6 @@ def test_the_published_studies_cost_about_what_they_took(published):
     learned = pd.read_csv("reports/published/robustness/settings.csv")["total_steps"].sum()
     assert learned / 5 < settings.steps < learned * 5
     assert settings.jobs == 127 and 0.2 < settings.hours < 2
-    study = design.read_study("config/beyond.yaml")
-    entries, given = design.entries_of(study), design.given_worlds(study)
-    digests = design.map_digests(study, entries, given)
-    jobs = [design.job_of(cell, study, digests[cell.name]) for cell in design.cells(study)]
-    lives = cost_of_lives(jobs, entries, given)
-    learned = pd.read_csv("reports/beyond/per_life.csv")["total_steps"].sum()
-    assert learned < lives.steps < learned * 5
-    assert 0.4 < lives.hours < 4
-    half = cost_of_lives(jobs[::2], entries, given)
-    assert half.hours < lives.hours and half.jobs == -(-lives.jobs // 2)
 
 
 @pytest.mark.parametrize("key", ["seeds", "decision__seeds", "learning__episodes", "growth__runs"])

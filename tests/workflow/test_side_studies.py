@@ -1,4 +1,4 @@
-"""Runs, the robustness study and the second study use files only for the question that they answer.
+"""Runs and the robustness study use files only for the question that they answer.
 
 A run on methods of one's own, with results of other programs, is here too.
 """
@@ -28,13 +28,6 @@ SETTINGS: dict[str, Any] = {
     "seeds": 2, "replicates": 2, "max_steps": 10_000, "step_budget": 10**6, "growth": {"tasks": 4, "runs": 1},
     "latin_hypercube": {"settings": 0, "seed": 0}, "unknowns": {"skills.patience": {"symbol": "p", "values": [2.0]}},
 }  # fmt: skip
-
-LIVES: dict[str, Any] = {
-    "run": "beyond", "families": ["rooms"], "maps": 2, "seeds": 2, "methods": ["no_transfer", "ptl", "mine.py"],
-    "article_maps": {"rooms": {"map": "rooms.txt", "tasks": "AB"}}, "article_seeds": 2, "learning": {"episodes": 20},
-    "explorer": {"methods": ["ptl"]}, "statistics": {"resamples": 100},
-}  # fmt: skip
-
 
 OWN: dict[str, Any] = {
     **TINY, "environments": {"rooms": {"map": "rooms.txt", "tasks": "AB"}},
@@ -121,23 +114,6 @@ def robustness(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Side]:
     yield Side(folder, "config/robustness.yaml", SETTINGS, "results/tiny/robustness", "--", "robustness")
 
 
-@pytest.fixture(scope="module")
-def lives(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Side]:
-    folder = tmp_path_factory.mktemp("lives")
-    yield Side(folder, "config/beyond.yaml", LIVES, "results/beyond", "--snakefile", "workflow/beyond.smk")
-
-
-def test_what_the_studies_leave_is_whole(robustness: Side, lives: Side) -> None:
-    for side, files in ((robustness, 3), (lives, 6)):
-        printed = side.verified()
-        assert "are whole, in place and consistent" in printed and "not held against" not in printed, printed
-        assert int(printed.split()[0]) >= files
-        assert side.project.waiting(*side.arguments) == {}
-    printed = lives.project.ptl("verify", "reports/beyond").stdout
-    assert re.search(r"\d\d products are those of reports/beyond/manifest\.json", printed)
-    assert "not checked" not in printed
-
-
 def test_settings_of_another_run_are_refused(robustness: Side, record_property: Callable[[str, int], None]) -> None:
     record_property(PAIRED, 3)
     assert "was made with another value of parameters" in robustness.change_made(
@@ -152,64 +128,6 @@ def test_settings_of_another_run_are_refused(robustness: Side, record_property: 
     assert "parameters" in printed and "--forcerun learn_setting" in printed
     robustness.mend(printed)
     assert "are whole" in robustness.verified()
-
-
-def test_lives_of_another_study_are_refused(lives: Side, record_property: Callable[[str, int], None]) -> None:
-    record_property(PAIRED, 4)
-    for change in (
-        lambda made: made["config"]["learning"].update(alpha=0.7),
-        lambda made: made["config"].update(seeds=3),
-    ):
-        assert "was made with another value of" in lives.change_made(change)
-    fewer = {"methods": ["no_transfer", "mine.py"], "explorer": {}}
-    assert "which is not in the run" in lives.change_made(lambda made: made["config"].update(fewer))
-    printed = lives.change_made(lambda made: made["config"].update(methods=["fly"]))
-    assert "results/beyond/made.json: cannot be a run's" in printed and printed.count("\n") == 1
-    lives.write({**LIVES, "learning": {"episodes": 20, "alpha": 0.7}})
-    lives.forget()
-    printed = lives.refused()
-    assert "alpha" in printed and "learn_lives" in printed
-    lives.mend(printed)
-    assert "are whole" in lives.verified()
-
-
-def test_a_map_replaced_by_an_older_file_is_learned_anew(lives: Side) -> None:
-    rooms = lives.project.folder / "rooms.txt"
-    text = rooms.read_text()
-    put(rooms, text.replace("#..B#", "#.B.#"))
-    waiting = lives.project.waiting(*lives.arguments)
-    assert waiting["learn_lives"] == 3 and waiting["check_study"] == 1
-    lives.project.make(*lives.arguments)
-    assert "are whole" in lives.verified()
-
-
-def test_a_deleted_product_is_made_again(lives: Side) -> None:
-    product = lives.project.folder / "reports/beyond/costs.csv"
-    whole = product.read_bytes()
-    product.unlink()
-    lives.project.make(*lives.arguments)
-    assert product.read_bytes() == whole
-
-
-def test_lives_by_an_edited_method_are_refused(lives: Side) -> None:
-    mine = lives.project.folder / "mine.py"
-    put(mine, MINE.replace("np.ones", "0.5 * np.ones"))
-    lives.forget()
-    printed = lives.refused()
-    assert "learn_lives" in printed
-    lives.mend(printed)
-    assert "are whole" in lives.verified()
-
-
-def test_older_lives_of_other_programs_are_read_anew(lives: Side) -> None:
-    folder = lives.project.folder
-    table = pd.read_csv(folder / "reports/beyond/per_life.csv").query("method == 'ptl'").assign(method="theirs")
-    lives.write({**LIVES, "foreign_lives": ["lives.csv"], "learning": {"episodes": 20, "alpha": 0.7}})
-    for factor, forced in ((2, ("--forcerun", "explore_lives")), (20, ())):  # once, should its state be lost by now
-        put(folder / "lives.csv", table.assign(total_steps=factor * table["optimum"]).to_csv(index=False))
-        lives.project.make(*lives.arguments, *forced)
-        costs = pd.read_csv(folder / "reports/beyond/costs.csv").query("method == 'theirs'")
-        assert costs["cost"].tolist() == pytest.approx([factor] * len(costs))
 
 
 @pytest.fixture
