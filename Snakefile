@@ -1,6 +1,6 @@
 # The published study, with the workflow of this checkout. `ptl new-study` makes folders with a Snakefile like this one.
 
-from ptl.files.atomic import remove_unfinished
+from ptl.files.lock import begin_run
 
 
 configfile: "config/config.yaml"
@@ -17,4 +17,4 @@ use rule * from ptl
 
 
 onstart:
-    remove_unfinished(f"results/{config['run']}", f"reports/{config['run']}")
+    begin_run(f"results/{config['run']}", f"reports/{config['run']}")

@@ -23,8 +23,9 @@ FV = "source (Fernandez and Veloso)"
 RUN_NAME = text("[A-Za-z0-9][A-Za-z0-9_-]*", "letters, digits, _ and -, not starting with _ or -")
 NAME = text("[a-z][a-z0-9_]*", "lower-case letters, digits and _, starting with a letter")
 NAME_OR_NONE = text("([a-z][a-z0-9_]*)?", "the name of an environment")
-TITLE = text(r"[^{}\x00-\x1f\x7f]*", "text without braces and control characters", 200)
-PATH = text(r"[^-{}\x00-\x1f\x7f][^{}\x00-\x1f\x7f]*", "a path without braces, not starting with -", 1000)
+# Snakemake takes braces for wildcards, and its report puts labels and parameters into script elements as they are.
+TITLE = text(r"[^{}<\x00-\x1f\x7f]*", "text without braces, < and control characters", 200)
+PATH = text(r"[^-{}<\x00-\x1f\x7f][^{}<\x00-\x1f\x7f]*", "a path without braces and <, not starting with -", 1000)
 METHOD = {**PATH, "wanted": "a method: a built-in name, a file that ends in .py, or package.module:Class"}
 COLOUR = text("(#[0-9a-fA-F]{6})?", "a colour such as #8a5a00")
 TASKS = text("[A-HJ-Z]*", "capital letters other than I", 25)

@@ -14,7 +14,7 @@ from ptl import methods
 from ptl.config import Configuration, check_tasks
 from ptl.errors import UserError
 from ptl.files.outside import local_sources
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.measures.measures import BASE
 from ptl.world.gridworld import load_map
 

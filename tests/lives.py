@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from projects import ROOMS as ROOMS_MAP
 
 from ptl.config import Parameters
-from ptl.files.provenance import code_digest
-from ptl.files.results import write_learning
+from ptl.files import store
+from ptl.files.outside import learning_code
+from ptl.files.store import Result
+from ptl.jobs.learn import Learn
 from ptl.learning.life import Life, learn_life, tasks_of
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, map_digest
 
 ROOT_SEED = 1
 ROOMS = GridWorld.from_text(ROOMS_MAP, "rooms")
@@ -26,18 +27,21 @@ def live(
     return learn_life(world, letters, method, parameters, ROOT_SEED, world.name, seed)
 
 
-def origin(
-    method: str, seed: int, *, world: GridWorld = ROOMS, parameters: Parameters = QUICK, module: str = "life"
-) -> dict[str, Any]:
-    """Origin of a life, with the digest of the present code."""
-    return {
-        "environment": world.name,
-        "method": method,
-        "seed": seed,
-        "root_seed": ROOT_SEED,
-        "parameters": parameters.to_dict(),
-        "code": code_digest(f"ptl.learning.{module}", f"ptl.methods.{method}"),
-    }
+def job(
+    method: str, seed: int = 0, *, world: GridWorld = ROOMS, tasks: str = "", parameters: Parameters = QUICK
+) -> Learn:
+    """The job of such a life, with the digest of the present code."""
+    return Learn(
+        root_seed=ROOT_SEED,
+        parameters=parameters.to_dict(),
+        maps={world.name: map_digest(world.text)},
+        code=learning_code(method),
+        environment=world.name,
+        tasks=tasks or "".join(world.goals),
+        method=method,
+        reference=method,
+        seed=seed,
+    )
 
 
 def write_life(
@@ -49,8 +53,14 @@ def write_life(
     tasks: str = "",
     parameters: Parameters = QUICK,
 ) -> Path:
-    """Learn and write one life; return the path, named as in a run."""
-    path = folder / world.name / method / f"seed_{seed:03d}.h5"
-    life = live(method, seed, world=world, tasks=tasks, parameters=parameters)
-    write_learning(path, life, world, origin(method, seed, world=world, parameters=parameters))
+    """Learn and write one life; return the path, at its place below a folder of results."""
+    work = job(method, seed, world=world, tasks=tasks, parameters=parameters)
+    path = folder / work.place
+    worlds = {world.name: world}
+    store.write(path, work, work.run(worlds), worlds)
     return path
+
+
+def read_lives(*paths: Path) -> list[Result]:
+    """Read such files."""
+    return [store.read(path) for path in paths]

@@ -9,19 +9,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from ptl.files.tables import read_table
 from ptl.measures.exact import first_episode_without_transfer
-from ptl.measures.growth import read_sizes
-from ptl.measures.library_cost import read_selection, read_storage
-from ptl.measures.measure_files import read_steps
-from ptl.measures.measures import BASE, BY_NAME, PER_SEED, SUBGOAL_COLUMNS, Names
-from ptl.measures.statistics import Resampling, read_per_seed
+from ptl.measures.measures import BASE, BY_NAME, PER_SEED, Names
+from ptl.measures.statistics import Resampling
 from ptl.world.gridworld import GridWorld
 
 SEEDS_NEEDED = 10
@@ -199,9 +194,6 @@ def _check_number(seeds: int, name: str) -> None:
         raise Lacking(f"{name}: {seeds} seeds, fewer than the {SEEDS_NEEDED} that a verdict needs")
 
 
-# -- from files ---------------------------------------------------------------------------------------------
-
-
 def settings_of(groups: Any) -> dict[str, Any]:
     """Return the settings of `Evidence` from the groups measures, statistics and growth of the configuration.
 
@@ -215,40 +207,3 @@ def settings_of(groups: Any) -> dict[str, Any]:
         "window": groups.measures.window,
         "breakpoint": groups.growth.breakpoint,
     }
-
-
-def read_evidence(
-    worlds: Mapping[str, GridWorld],
-    groups: Any,
-    *,
-    per_seed: str | Path,
-    steps: str | Path | None = None,
-    subgoals: str | Path | None = None,
-    growth: str | Path | None = None,
-    selection_cost: str | Path | None = None,
-    library_bytes: str | Path | None = None,
-) -> Evidence:
-    """Read a run's files; those left out make the claims that need them undecided.
-
-    Parameters
-    ----------
-    worlds : mapping of str to GridWorld
-    groups : namespace
-        See `settings_of`.
-    per_seed, steps, subgoals, growth, selection_cost, library_bytes : paths
-
-    Raises
-    ------
-    UserError
-        When a file is missing, unreadable or lacks a column.
-    """
-    return Evidence(
-        per_seed=read_per_seed(per_seed),
-        worlds=worlds,
-        steps=None if steps is None else read_steps(steps),
-        subgoals=None if subgoals is None else read_table(subgoals, SUBGOAL_COLUMNS),
-        growth=None if growth is None else read_sizes(growth),
-        selection_cost=None if selection_cost is None else read_selection(selection_cost),
-        library_bytes=None if library_bytes is None else read_storage(library_bytes),
-        **settings_of(groups),
-    )

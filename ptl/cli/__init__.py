@@ -14,11 +14,12 @@ import click
 
 import ptl
 from ptl.errors import UserError, printable
+from ptl.files.checkout import check_checkout
 
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
 """What people call, in the order of the help."""
 
-UPKEEP = ("config-docs", "readme")
+UPKEEP = ("docs",)
 """What keeps the files of this package up to date."""
 
 
@@ -75,7 +76,9 @@ def commands() -> None:
 def main() -> None:
     """Run the command line; exit status 0 on success, 1 with one line on stderr on an error that the user can mend."""
     try:
-        _refuse_copied_environment(Path(sys.argv[0]).parent.parent)
+        environment = Path(sys.argv[0]).parent.parent
+        if (environment / "pyvenv.cfg").exists():  # copied, its scripts name the Python of the original
+            check_checkout(environment)
         commands(prog_name="ptl")
     except UserError as error:
         sys.exit(f"error: {error}")
@@ -84,14 +87,6 @@ def main() -> None:
     finally:
         # All that is alive now dies with the process. Looking through it for garbage takes a tenth of a learning job.
         gc.freeze()
-
-
-def _refuse_copied_environment(folder: Path) -> None:
-    """Refuse a copy of ``bin/ptl``, whose first line still names the environment, and so the code, of the original."""
-    if (folder / "pyvenv.cfg").exists() and not folder.samefile(sys.prefix):
-        raise UserError(
-            f"{folder}: was copied, and its commands run the code of {sys.prefix}; run 'make build' beside it"
-        )
 
 
 if __name__ == "__main__":

@@ -16,10 +16,10 @@ if TYPE_CHECKING:
 @click.argument("files", nargs=-1, required=True, type=click.Path(path_type=Path))
 def command(files: tuple[Path, ...]) -> None:
     """Print the job of each of the FILES, a summary of its content, and its map with the subgoals as 1, 2, 3 ..."""
-    from ptl.jobs.kinds import register_studies
     from ptl.errors import printable
     from ptl.files.store import read
     from ptl.jobs import Learn, Survey
+    from ptl.jobs.kinds import register_studies
     from ptl.jobs.learn import skills_of
 
     register_studies()

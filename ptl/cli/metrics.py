@@ -17,6 +17,9 @@ GAP = "  "
 NAMES = ("environment", "task", "method", "metric")
 """Columns that say what a row is about."""
 
+INTERVAL = ("mean", "ci_low", "ci_high")
+"""Columns of the estimate; empty if no seed has a value."""
+
 
 @click.command()
 @click.argument("run", required=False)
@@ -77,29 +80,21 @@ def _path_of(run: str | None) -> Path:
 def _estimates(path: Path) -> pd.DataFrame:
     """Read a table of estimates, control characters in its names as escapes; refuse a table of something else."""
     from ptl.errors import UserError, printable
-    from ptl.files.csv import read_csv
-    from ptl.files.tables import COUNT, Numbers
+    from ptl.files.tables import check_numbers, read_table
 
-    number = Numbers(missing=True)
-    numbers = {"mean": number, "ci_low": number, "ci_high": number, "n": COUNT, "seeds": Numbers(1, whole=True)}
-    table = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=dict.fromkeys(numbers, ""))
-    for name in (*NAMES, *numbers):
-        if name not in table or (name in numbers and not numbers[name].hold(table[name])):
-            raise UserError(
-                f"{path}: no table of estimates (column {name}); this column must hold {numbers.get(name, 'names')};"
-                " name a metrics.csv, or a run"
-            )
+    table = read_table(path, (*NAMES, *INTERVAL, "n", "seeds"))
+    check_numbers(table, path, INTERVAL, missing=True)
+    check_numbers(table, path, ("n",), low=0)
+    check_numbers(table, path, ("seeds",), low=1)
     faults = {
-        "has the estimate of an earlier row": table.duplicated(list(NAMES)),
+        "has the estimate of an earlier row": table.duplicated([*NAMES]),
         "has an interval that ends before it begins": table["ci_low"] > table["ci_high"],
         "has a mean of no values, or values without a mean": (table["n"] > 0) == table["mean"].isna(),
     }
     for fault, rows in faults.items():
         if rows.any():
             raise UserError(f"{path}: row {rows.argmax() + 1} {fault}; name another table or correct it")
-    for name in NAMES:
-        table[name] = table[name].map(printable)
-    return table
+    return table.assign(**{name: table[name].fillna("").map(printable) for name in NAMES})
 
 
 def _only(frame: pd.DataFrame, column: str, wanted: tuple[str, ...], path: Path) -> pd.DataFrame:

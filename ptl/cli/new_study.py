@@ -40,7 +40,7 @@ def command(
 
     Maps, tasks and methods are checked before anything is written.
     """
-    from ptl.cli.config_docs import tables
+    from ptl.report.config_page import tables
     from ptl.deployment import new_study
     from ptl.errors import UserError
     from ptl.measures.measures import BASE

@@ -13,10 +13,10 @@ import click
 @click.option("--output", required=True, type=click.Path(path_type=Path), help="HDF5 file to write.")
 def command(text: str, maps: tuple[str, ...], output: Path) -> None:
     """Do the work that a job describes, and write its result file."""
-    from ptl.jobs.kinds import job_from
     from ptl.cli._progress import shown
     from ptl.errors import UserError
     from ptl.files import store
+    from ptl.jobs.kinds import job_from
     from ptl.world.gridworld import load_map, map_digest
 
     job = job_from(text)

@@ -37,15 +37,15 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     of a finished run also that the job is one of that run. Report folders: every product against manifest.json.
 
     With --against, compare the report folders PATHS with another run instead: which tables are equal, equal within a
-    tolerance, or different, and which verdicts changed. 'published' is the published run, as git's HEAD or the copy
-    kept by 'make reproduce' has it.
+    tolerance, or different, which verdicts changed, and which drawings and pages have different bytes. 'published' is
+    the published run, as git's HEAD or the copy kept by 'make reproduce' has it.
 
     Prints one line for each fault; exit status 1 if there is any.
     """
-    from ptl.jobs.kinds import register_studies
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
     from ptl.files.manifest import MANIFEST, damages
+    from ptl.jobs.kinds import register_studies
 
     if against is not None:
         _compare(paths, against, exit_zero)
@@ -140,4 +140,4 @@ def _compare(paths: tuple[Path, ...], against: str, exit_zero: bool) -> None:
     for comparison in found:
         click.echo(str(comparison))
     if not (exit_zero or all(comparison.agrees for comparison in found)):
-        raise UserError(f"the products or verdicts differ from those of {against}")
+        raise UserError(f"the tables or verdicts differ from those of {against}")

@@ -1,14 +1,15 @@
 """Files that do not belong to a run are made to look old when it is planned, so that Snakemake makes them again.
 
 Snakemake decides by times and by what it remembers. Both can be lost: folders are copied, `.snakemake` is removed,
-clocks are wrong. A result says which job made it, and `made.json` in the folder of results says which products belong to
-it; what does not fit gets the time 0 and counts as older than everything that it is made from.
+clocks are wrong. A result says which job made it, and `made.json` in the folder of results which products belong to
+it; what does not fit gets the time `OLD` and counts as older than everything that it is made from.
 """
 
 from __future__ import annotations
 
 import json
 import os
+from base64 import urlsafe_b64encode
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -23,16 +24,23 @@ from ptl.files.store import digest_in
 MADE = "made.json"
 """File in results/<run>/ that says what the products of the run were made from."""
 
+OLD = 1
+"""Time of files that are to be made again; Snakemake ignores a time of 0."""
+
 MEMORY = Path(".snakemake/metadata")
-"""Where Snakemake remembers parameters and code."""
+"""Where Snakemake remembers parameters, code and inputs, a file for each output."""
 
 
 def age_results(folder: Path, jobs: Iterable[Job]) -> None:
     """Age the result files that other jobs have made; ``folder`` is results/<run>/."""
     for job in jobs:
         path = folder / job.place
-        if (found := digest_in(path)) is not None and found != job.digest:
+        if (found := digest_in(path)) is None:
+            continue
+        if found != job.digest:
             _age(path)
+        elif path.stat().st_mtime == OLD:  # another configuration was tried in between
+            path.touch()
 
 
 def age_products(results: Path, reports: Path, asked: Any, code: Any) -> None:
@@ -67,6 +75,11 @@ def jobs_of_run(results: Path) -> str:
     return str(_made(results).get("jobs", ""))
 
 
+def products_made(results: Path) -> dict[str, str]:
+    """Return the checksums of the products of the finished run in results/<run>/, none if there is no such run."""
+    return dict(_made(results).get("products", {}))
+
+
 def digest(value: Any) -> str:
     """Return a digest of what JSON can hold."""
     return digest_of_text(json.dumps(value, sort_keys=True))
@@ -81,5 +94,7 @@ def _made(results: Path) -> dict[str, Any]:
 
 
 def _age(path: Path) -> None:
+    """Give a file the time `OLD`, and remove what Snakemake remembers of the job that made it."""
     with suppress(OSError):
-        os.utime(path, (0, 0))
+        os.utime(path, (OLD, OLD))
+        (MEMORY / urlsafe_b64encode(path.as_posix().encode()).decode()).unlink(missing_ok=True)

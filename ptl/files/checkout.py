@@ -1,4 +1,4 @@
-"""The checkout whose workflow runs: copied with its environment, it would be run by the code of the original."""
+"""The checkout whose code runs: a copy with its environment would run the code of the original."""
 
 from __future__ import annotations
 
@@ -10,19 +10,19 @@ from ptl.errors import UserError
 PACKAGE = Path(__file__).parent.parent
 
 
-def check_checkout(workflow: str | os.PathLike[str]) -> None:
-    """Refuse a workflow that lies beside another copy of this package than the one that runs.
+def check_checkout(part: str | os.PathLike[str]) -> None:
+    """Refuse a workflow or an environment beside another copy of this package than the one that runs.
 
     Parameters
     ----------
-    workflow : path
-        Folder of the workflow.
+    part : path
+        Folder of the workflow or of the environment.
 
     Raises
     ------
     UserError
         Naming both, and the command that installs the right one.
     """
-    beside = Path(workflow).parent / PACKAGE.name
+    beside = Path(part).parent / PACKAGE.name
     if (beside / "__init__.py").exists() and not beside.samefile(PACKAGE):
-        raise UserError(f"{workflow}: runs with the code in {PACKAGE}, not with that beside it; run 'make build' there")
+        raise UserError(f"{part}: runs with the code in {PACKAGE}, not with that beside it; run 'make build' there")

@@ -1,129 +1,54 @@
 """Compare the products of a run with those of another: the published one, or any other report folder.
 
-Products are equal if their bytes are. They are equal within a tolerance (ours) if pictures differ by `GREY_LEVELS` at
-most, or texts in the last printed digit of numbers that are not whole: processors round differently. A picture is also
-within the tolerance if its numbers (CSV) and its vector twin (SVG) are: other versions of the libraries that paint
-place the edges of letters differently. Steps and other counts are whole numbers and must be equal.
+Numbers and verdicts decide. Tables (CSV) are compared cell by cell: they are equal within a tolerance (ours) if nothing
+differs but the last printed digit of numbers that are not whole, because processors round differently. Drawings, pages
+and all other products are compared by their bytes; those that differ are named but not judged.
 """
 
 from __future__ import annotations
 
-import base64
 import csv
 import io
 import re
-import struct
 import subprocess
-import warnings
-import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from decimal import Decimal, DecimalException
+from decimal import Decimal
 from itertools import zip_longest
-from pathlib import Path, PurePosixPath
-from typing import TYPE_CHECKING, Any, Protocol
+from pathlib import Path
+from typing import Any
 
 from ptl.errors import UserError, printable
-from ptl.files.manifest import MADE, MANIFEST, parse, read
+from ptl.files.aging import MADE, products_made
+from ptl.files.manifest import MANIFEST, parse, products_in, read
 from ptl.files.regular import NotReadable, read_bytes, sha256
-
-if TYPE_CHECKING:
-    import numpy as np
-
-GREY_LEVELS = 2
-"""Largest difference of a colour channel (0 to 255) at which two pixels are equal within the tolerance."""
+from ptl.keys import shortened
 
 PUBLISHED = "published"
-"""Stands for the published products: those of git's HEAD, or the copy that was kept of them before the first run."""
+"""Name of the published products: those of git's HEAD, or the copy made of them before the first run."""
 
 KEPT = ".published"
 """Folder of that copy, made by ``make reproduce`` where there is no git."""
 
-MOST_BYTES = 2**26
-"""Most bytes of a product, and of the data packed in it; more is not read."""
+MAX_BYTES = 2**26
+"""Maximum size of a table that is compared."""
 
-MOST_PIXELS = 2**24
-"""Most pixels of a picture."""
+MAX_NAMED = 6
+"""Maximum number of products, keys or claims that are named; the rest is counted."""
 
-LISTED = 6
-"""Products, keys and claims that are named; of more only the number is given."""
-
-_NUMBER = re.compile(r"[-−]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-_IDENTIFIER = re.compile(r"\b[a-z][0-9a-f]{10}\b")  # matplotlib's, a digest of what it names
-_PACKED = re.compile(r"H4sI[A-Za-z0-9+/=]{40,}")  # gzip in base64, as in the explorer
-
-
-# -- what a run is compared with ----------------------------------------------------------------------------------
+_NUMBER = re.compile(r"([-−]?\d+(?:\.\d+)?(?:e[-+]?\d{1,3})?)")
 
 
 class NothingToCompareError(UserError):
     """There are no products of another run."""
 
 
-class Reference(Protocol):
-    """The products of the other run."""
-
-    @property
-    def name(self) -> str:
-        """How messages call it."""
-
-    def read(self, product: str) -> bytes | None:
-        """Return the content of a product, None if it cannot be read."""
-
-    def manifest(self) -> dict[str, Any]:
-        """Return the manifest."""
-
-
 @dataclass(frozen=True)
-class FolderReference:
-    """A report folder."""
+class Reference:
+    """The other run: its name, and a function that returns the content of a product, None if it cannot be read."""
 
-    folder: Path
     name: str
-
-    def read(self, product: str) -> bytes | None:
-        """Return the content of a product, None if it cannot be read."""
-        return _content(self.folder / product)
-
-    def manifest(self) -> dict[str, Any]:
-        """Return the manifest."""
-        return read(self.folder / MANIFEST)
-
-
-@dataclass(frozen=True)
-class RevisionReference:
-    """A report folder as a git revision holds it."""
-
-    folder: Path
-    revision: str
-
-    @property
-    def name(self) -> str:
-        """The revision, with the commit that it stands for."""
-        commit = _git(self.folder, "rev-parse", "--short", self.revision)
-        return f"git {self.revision} ({(commit or b'').decode().strip()})"
-
-    def read(self, product: str) -> bytes | None:
-        """Return the content of a product, None if it is not there."""
-        return _git(self.folder, "cat-file", "blob", f"{self.revision}:./{product}")
-
-    def manifest(self) -> dict[str, Any]:
-        """Return the manifest."""
-        text = self.read(MANIFEST)
-        if text is None:
-            raise UserError(
-                f"{self.folder}: git {self.revision} holds no {MANIFEST} there; give a revision that has one, or a"
-                " report folder"
-            )
-        return parse(text.decode("utf-8", "replace"), Path(f"{self.revision}:{self.folder}/{MANIFEST}"))
-
-
-def _git(folder: Path, *arguments: str) -> bytes | None:
-    try:
-        done = subprocess.run(["git", "-C", str(folder), *arguments], check=False, capture_output=True)
-    except OSError:  # no git, or no such folder
-        return None
-    return done.stdout if done.returncode == 0 else None
+    read: Callable[[str], bytes | None]
 
 
 def reference(text: str, folder: Path) -> Reference:
@@ -141,107 +66,57 @@ def reference(text: str, folder: Path) -> Reference:
     UserError
         If there is nothing of the kind, or a run would be compared with itself.
     """
-    if text.startswith("git:"):
-        return _of_another_run(RevisionReference(folder, text.removeprefix("git:")), folder)
-    if text != PUBLISHED:
+    if text != PUBLISHED and not text.startswith("git:"):
         other = Path(text).parent if Path(text).name == MANIFEST else Path(text)
         if other.resolve() == folder.resolve():
             raise UserError(f"{folder}: would be compared with itself; give another report folder, or git:HEAD")
-        return FolderReference(other, text)
-    head = RevisionReference(folder, "HEAD")
-    if head.read(MANIFEST) is not None:
-        return _of_another_run(head, folder)
-    kept = Path(KEPT)
-    if folder.name == PUBLISHED and (kept / MANIFEST).is_file():
-        return _of_another_run(FolderReference(kept, f"{KEPT} (kept before the first run)"), folder)
-    raise NothingToCompareError(
-        f"{folder}: neither git's HEAD nor {KEPT} holds the published products to compare with; 'make reproduce' in a"
-        " fresh copy of the package keeps them"
+        return Reference(text, lambda product: _content(other / product))
+    revision = "HEAD" if text == PUBLISHED else text.removeprefix("git:")
+    commit = (_git(folder, "rev-parse", "--short", revision) or b"no commit").decode().strip()
+    found = Reference(
+        f"git {revision} ({commit})", lambda product: _git(folder, "cat-file", "blob", f"{revision}:./{product}")
     )
-
-
-def _of_another_run(other: Reference, folder: Path) -> Reference:
-    """Refuse to take products that were checked out for those of a run made here."""
-    made = folder.parent.parent / "results" / folder.name / MADE
-    own = _content(folder / MANIFEST)
-    if own is not None and own != _content(made):
+    if text == PUBLISHED and found.read(MANIFEST) is None:
+        if folder.name != PUBLISHED or not Path(KEPT, MANIFEST).is_file():
+            raise NothingToCompareError(
+                f"{folder}: neither git's HEAD nor {KEPT} holds the published products to compare with; 'make"
+                " reproduce' in a fresh copy of the package keeps them"
+            )
+        found = Reference(f"{KEPT} (kept before the first run)", lambda product: _content(Path(KEPT, product)))
+    results = folder.parent.parent / "results" / folder.name
+    own = products_in(folder)
+    if own and own != products_made(results):
         raise UserError(
-            f"{folder}: holds products that came with the package, not those of a run made here ({made} does not match"
-            " its manifest), and would be compared with themselves; run 'make reproduce'"
+            f"{folder}: has the products that came with the package, not those of a run made here ({results / MADE} does"
+            " not name them), which would be compared with themselves; run 'make reproduce'"
         )
-    return other
+    return found
 
 
-# -- comparing ----------------------------------------------------------------------------------------------------
+def _content(file: Path) -> bytes | None:
+    try:
+        return read_bytes(file, MAX_BYTES)
+    except NotReadable:
+        return None
+
+
+def _git(folder: Path, *arguments: str) -> bytes | None:
+    try:
+        done = subprocess.run(["git", "-C", str(folder), *arguments], check=False, capture_output=True)
+    except OSError:  # no git, or no such folder
+        return None
+    return done.stdout if done.returncode == 0 else None
 
 
 @dataclass(frozen=True)
 class Comparison:
-    """How the products of a run compare with those of another.
+    """The outcome in a few lines, and whether all tables and verdicts agree and no product is missing."""
 
-    Attributes
-    ----------
-    folder : path
-    other : str
-        Name of the other run.
-    equal, close, different, missing : list of str
-        Products by outcome; close are those equal within the tolerance.
-    claims : int
-        Number of claims that either run judges.
-    verdicts : dict
-        Claims with another verdict: id to the other's and ours ("-" if one run does not judge it).
-    settings, versions : dict
-        Keys of the configuration, and packages, with other values: name to the other's and ours.
-    """
-
-    folder: Path
-    other: str
-    equal: list[str]
-    close: list[str]
-    different: list[str]
-    missing: list[str]
-    claims: int
-    verdicts: dict[str, tuple[str, str]]
-    settings: dict[str, tuple[str, str]]
-    versions: dict[str, tuple[str, str]]
-
-    @property
-    def agrees(self) -> bool:
-        """Whether all products are there and equal or close, and all verdicts equal."""
-        return not (self.different or self.missing or self.verdicts)
+    lines: list[str]
+    agrees: bool
 
     def __str__(self) -> str:
-        return "\n".join(map(printable, self.lines()))
-
-    def lines(self) -> Iterator[str]:
-        """Yield the verdict on the rerun in a few lines."""
-        count = sum(map(len, (self.equal, self.close, self.different, self.missing)))
-        yield f"{self.folder} compared with {self.other}:"
-        outcomes = [(len(self.equal), "equal"), (len(self.close), "equal within the tolerance")]
-        outcomes += [(len(self.different), "different")] + [(len(self.missing), "missing")] * bool(self.missing)
-        yield f"  products: {', '.join(f'{number} {word}' for number, word in outcomes)} (of {count})"
-        for word in ("different", "missing"):
-            if names := getattr(self, word):
-                yield f"    {word}: {_listed(names)}"
-        if self.claims:
-            same = self.claims - len(self.verdicts)
-            yield f"  verdicts: {'all ' if not self.verdicts else f'{same} of '}{self.claims} equal"
-            if self.verdicts:
-                yield f"    changed: {_listed(_changes(self.verdicts))}"
-        for word, changed in (("configuration", self.settings), ("versions", self.versions)):
-            if changed:
-                yield f"  {word}: {_listed(_changes(changed))}"
-        if not self.agrees:
-            yield f"  where to look: 'git diff {self.folder}', and docs/reliability.md on what may differ"
-
-
-def _changes(changed: Mapping[str, tuple[str, str]]) -> list[str]:
-    return [f"{name} ({theirs}, here {ours})" for name, (theirs, ours) in changed.items()]
-
-
-def _listed(names: list[str]) -> str:
-    more = f" and {len(names) - LISTED} more" if len(names) > LISTED else ""
-    return ", ".join(names[:LISTED]) + more
+        return "\n".join(map(printable, self.lines))
 
 
 def compare(folder: Path, other: Reference) -> Comparison:
@@ -252,61 +127,99 @@ def compare(folder: Path, other: Reference) -> Comparison:
     UserError
         If a manifest is missing or damaged.
     """
-    own, theirs = read(folder / MANIFEST), other.manifest()
-    outcomes: dict[str, list[str]] = {"equal": [], "close": [], "different": [], "missing": []}
-    for name, digest in theirs["products"].items():
-        outcomes[_outcome(folder / name, digest, name, other)].append(name)
-    alike = {*outcomes["equal"], *outcomes["close"]}
-    for name in outcomes["different"][:]:
-        twins = {str(PurePosixPath(name).with_suffix(suffix)) for suffix in (".csv", ".svg")}
-        if name.endswith(".png") and twins <= alike and _sizes_equal(_content(folder / name), other.read(name)):
-            outcomes["different"].remove(name)
-            outcomes["close"].append(name)
+    own, text = read(folder / MANIFEST), other.read(MANIFEST)
+    if text is None:
+        raise UserError(f"{other.name}: has no {MANIFEST}; give a report folder, or a git:REVISION, that has one")
+    theirs = parse(text, Path(other.name))
+    found: dict[str, list[str]] = {name: [] for name in ("equal", "close", "different", "pages", "bytes", "missing")}
+    for name, digest in theirs.products.items():
+        outcome, place = _outcome(folder / name, digest, name, other)
+        found[outcome].append(name + place)
     before, after = _verdicts(other.read("claims.csv")), _verdicts(_content(folder / "claims.csv"))
-    return Comparison(
-        folder,
-        other.name,
-        **outcomes,
-        claims=len({*before, *after}),
-        verdicts=_changed(before, after),
-        settings=_changed(_flat(theirs["config"]), _flat(own["config"])),
-        versions=_changed(theirs.get("versions", {}), own.get("versions", {})),
-    )
+    verdicts, claims = _changes(before, after), {*before, *after}
+    number = {name: len(products) for name, products in found.items()}
+    lines = [
+        f"{folder} compared with {other.name}:",
+        f"  tables: {number['equal']} equal, {number['close']} within the tolerance, {number['different']} different",
+        f"  drawings and pages: {number['pages']} equal, {number['bytes']} with different bytes (not judged)",
+        *[f"  verdicts: {len(claims) - len(verdicts)} of {len(claims)} equal"] * bool(claims),
+    ]
+    named = {
+        "missing": found["missing"],
+        "different tables": found["different"],
+        "pages with different bytes": found["bytes"],
+        "changed verdicts": verdicts,
+        "changed settings": _changes(_flat(theirs.config), _flat(own.config)),
+        "changed versions": _changes(theirs.versions, own.versions),
+    }
+    for title, names in named.items():
+        more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
+        lines += [f"  {title}: {', '.join(names[:MAX_NAMED])}{more}"] * bool(names)
+    agrees = not (found["different"] or found["missing"] or verdicts)
+    if not agrees:
+        lines.append(f"  where to look: 'git diff {folder}', and docs/reliability.md on what may differ")
+    return Comparison(lines, agrees)
 
 
-def _outcome(path: Path, digest: str, name: str, other: Reference) -> str:
+def _outcome(path: Path, digest: str, name: str, other: Reference) -> tuple[str, str]:
+    """Return how a product compares, and the first difference of a table."""
+    table = name.endswith(".csv")
     try:
         if sha256(path) == digest:
-            return "equal"
+            return "equal" if table else "pages", ""
     except NotReadable as error:
-        return "missing" if error.missing else "different"
-    content, theirs = _content(path), other.read(name)
-    if content is None or theirs is None:
-        return "different"
-    alike = look_alike(content, theirs) if name.endswith(".png") else read_alike(content, theirs)
-    return "close" if alike else "different"
+        if error.missing:
+            return "missing", ""
+    if not table:
+        return "bytes", ""
+    place = first_difference(_content(path), other.read(name))
+    return ("different", f" ({place})") if place else ("close", "")
 
 
-def _content(path: Path) -> bytes | None:
-    """Return the content of a file, None if it cannot be read."""
+def first_difference(ours: bytes | None, theirs: bytes | None) -> str:
+    """Return where two tables differ by more than the tolerance, and how; an empty text if they do not."""
+    mine, others = _rows(ours), _rows(theirs)
+    if mine is None or others is None:
+        return "no table" if mine is None else "no table in the other run"
+    for line, (row, counterpart) in enumerate(zip_longest(mine, others, fillvalue=list[str]()), 1):
+        for column, (cell, other) in enumerate(zip_longest(row, counterpart, fillvalue="no cell"), 1):
+            if not _close(cell, other):
+                return f"line {line}, column {column}: {shortened(other)}, here {shortened(cell)}"
+    return ""
+
+
+def _rows(content: bytes | None) -> list[list[str]] | None:
+    """Return the cells of a table, None if it cannot be read."""
     try:
-        return read_bytes(path, MOST_BYTES)
-    except NotReadable:
+        return None if content is None else list(csv.reader(io.StringIO(content.decode(), newline=""), strict=True))
+    except (UnicodeDecodeError, csv.Error):
         return None
+
+
+def _close(one: str, other: str) -> bool:
+    """Return whether two cells differ in nothing but the last printed digit of numbers that are not whole."""
+    parts, counterparts = _NUMBER.split(one), _NUMBER.split(other)  # text and numbers in turn
+    if parts[::2] != counterparts[::2]:
+        return False
+    for texts in zip(parts[1::2], counterparts[1::2], strict=True):
+        a, b = (Decimal(text.replace("−", "-")) for text in texts)
+        digit = min(int(number.as_tuple().exponent) for number in (a, b))
+        if a != b and (digit >= 0 or abs(a - b) > Decimal(1).scaleb(digit)):
+            return False
+    return True
 
 
 def _verdicts(content: bytes | None) -> dict[str, str]:
     """Return the verdict of each claim by its id, none if the table cannot be read."""
-    rows = csv.DictReader(io.StringIO((content or b"").decode("utf-8", "replace")))
-    try:
-        return {str(row.get("id")): str(row.get("verdict")) for row in rows}
-    except csv.Error:
-        return {}
+    header, *rows = _rows(content) or [[]]
+    cells = [dict(zip(header, row, strict=False)) for row in rows]
+    return {row["id"]: row["verdict"] for row in cells if {"id", "verdict"} <= {*row}}
 
 
-def _changed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, tuple[str, str]]:
-    pairs = {name: (str(before.get(name, "-")), str(after.get(name, "-"))) for name in {**before, **after}}
-    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+def _changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:
+    """Return the names with another value, with the other run's and ours ("-" if one has none)."""
+    pairs = {name: (before.get(name, "-"), after.get(name, "-")) for name in {**before, **after}}
+    return [f"{name} ({old}, here {new})" for name, (old, new) in pairs.items() if str(old) != str(new)]
 
 
 def _flat(config: Mapping[str, Any], parent: str = "") -> dict[str, Any]:
@@ -314,79 +227,3 @@ def _flat(config: Mapping[str, Any], parent: str = "") -> dict[str, Any]:
     for name, value in config.items():
         flat |= _flat(value, f"{parent}{name}.") if isinstance(value, Mapping) else {f"{parent}{name}": value}
     return flat
-
-
-def look_alike(ours: bytes, theirs: bytes) -> bool:
-    """Return whether two PNGs have one size and pixels that differ by at most `GREY_LEVELS`."""
-    import numpy as np
-
-    pixels, others = _pixels(ours), _pixels(theirs)
-    if pixels is None or others is None or pixels.shape != others.shape:
-        return False
-    return int(np.abs(pixels - others).max()) <= GREY_LEVELS
-
-
-def _sizes_equal(ours: bytes | None, theirs: bytes | None) -> bool:
-    pixels, others = _pixels(ours or b""), _pixels(theirs or b"")
-    return pixels is not None and others is not None and pixels.shape == others.shape
-
-
-def _pixels(png: bytes) -> np.ndarray | None:
-    """Return the channels of a PNG, int array (rows, columns, 4), or None if it is damaged or too large."""
-    import numpy as np
-    from PIL import Image
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(io.BytesIO(png), formats=["PNG"]) as image:
-                if image.width * image.height > MOST_PIXELS:
-                    return None
-                return np.asarray(image.convert("RGBA"), dtype=np.int16)
-    except (OSError, SyntaxError, ValueError, EOFError, struct.error, zlib.error, Image.DecompressionBombError):
-        return None
-
-
-def read_alike(ours: bytes, theirs: bytes) -> bool:
-    """Return whether two texts differ in nothing but the last printed digit of numbers that are not whole."""
-    try:
-        one, other = (_unpacked(content.decode()) for content in (ours, theirs))
-    except (ValueError, zlib.error):
-        return False
-    between = zip_longest(_NUMBER.split(one), _NUMBER.split(other))
-    if any(part != counterpart for part, counterpart in between):
-        return False
-    return all(map(_close, _NUMBER.findall(one), _NUMBER.findall(other)))
-
-
-def _unpacked(text: str) -> str:
-    """Return a text with its packed data unpacked and its identifiers all alike.
-
-    Raises
-    ------
-    ValueError, zlib.error
-        If packed data are damaged or too large.
-    """
-    left = MOST_BYTES
-
-    def unpack(match: re.Match[str]) -> str:
-        nonlocal left
-        gzip = zlib.decompressobj(zlib.MAX_WBITS | 16)
-        data = gzip.decompress(base64.b64decode(match.group()), left + 1)
-        left -= len(data)
-        if left < 0 or not gzip.eof:
-            raise ValueError("packed data are too large or end too early")
-        return data.decode()
-
-    return _IDENTIFIER.sub("identifier", _PACKED.sub(unpack, text))
-
-
-def _close(one: str, other: str) -> bool:
-    if one == other:
-        return True
-    try:
-        a, b = (Decimal(text.replace("−", "-")) for text in (one, other))
-        finest = min(int(value.as_tuple().exponent) for value in (a, b))
-        return finest < 0 and abs(a - b) <= Decimal(1).scaleb(finest)
-    except DecimalException:  # an exponent beyond all numbers
-        return False

@@ -20,7 +20,7 @@ from ptl.files.regular import NotReadable, read_bytes
 MAX_BYTES = 2**20
 """Maximum size of a configuration file."""
 from ptl.keys import ConfigurationError, Group
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.world.gridworld import load_map
 
 DEEPEST = 20
@@ -54,6 +54,9 @@ def completed(config: Mapping[str, Any]) -> Configuration:
         chosen = configured(reference, configuration.method_parameters.get(name, {}))
         if isinstance(declared := getattr(chosen, "own", None), Group):
             own[name] = declared.to_dict()
+            for key, value in own[name].items():
+                if "<" in str(value):  # as in titles
+                    raise ConfigurationError.of_value(f"method_parameters.{name}.{key}", value, "text without <")
         if configuration.method_parameters.get(name):
             check_method(chosen)
     entries = {name: _completed_entry(name, entry) for name, entry in configuration.environments.items()}

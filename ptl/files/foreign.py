@@ -1,36 +1,39 @@
 """Results of other programs: a table of steps per episode, checked as a whole before anything is learned.
 
 The table is CSV with one row an episode and the columns `COLUMNS`, in any order; ``truncated`` (0 or 1) may be left out
-if every episode reached its goal. A method has every task of each environment that it names, and of each task exactly
-the seeds (0, 1, ...) and episodes (1, 2, ...) of the run, because measures compare seed by seed with the base.
+if every episode reached its goal. A truncated episode has the run's maximum number of steps: with fewer it would count
+as one that reached its goal. A method has every task of each environment that it names, and of each task exactly the
+seeds (0, 1, ...) and episodes (1, 2, ...) of the run, because measures compare seed by seed with the base.
 """
 
 from __future__ import annotations
 
-import csv
-import stat
-from collections.abc import Iterator, Mapping
+import io
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ptl.errors import UserError
+from ptl.files.regular import NotReadable, read_bytes
 from ptl.keys import shortened
 from ptl.world.gridworld import GridWorld
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 COLUMNS = ("environment", "method", "task", "seed", "episode", "steps")
 OPTIONAL = "truncated"
 
-LARGEST = 2**30
-"""Bytes of the largest table that is read (ours)."""
-
-WHOLE = frozenset("0123456789")
+MAX_BYTES = 2**30
+"""Maximum size of a table that is read (ours)."""
 
 
 @dataclass(frozen=True)
 class Expected:
-    """What the table of a run must hold.
+    """The episodes that a table must have.
 
     Attributes
     ----------
@@ -70,113 +73,75 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
     Raises
     ------
     UserError
-        One line with the file, the line or the place in the table, and what is wrong.
+        One line with the file, the line and column or the episode, and the value and what is allowed.
     """
-    steps: dict[tuple[str, str], np.ndarray] = {}
-    cut: dict[tuple[str, str], np.ndarray] = {}
-    shortest: dict[tuple[str, str], int] = {}
-    others: set[str] = set()
-    for line, row in _rows(Path(path)):
-        if row["method"] != method:
-            others.add(shortened(row["method"]))
-            continue
-        place, seed, episode = _place(row, expected, f"{path}: line {line}")
-        if place not in steps:
-            world = expected.worlds[place[0]]
-            steps[place] = np.zeros((expected.seeds, expected.episodes), dtype=np.int64)
-            cut[place] = np.zeros((expected.seeds, expected.episodes), dtype=bool)
-            shortest[place] = world.shortest_path_length(world.start, world.goal(place[1]))
-        if steps[place][seed, episode]:
-            raise UserError(f"{path}: line {line}: {_named(place, seed, episode)} is there twice; keep one of them")
-        truncated = bool(_whole(row[OPTIONAL], OPTIONAL, 0, 1, f"{path}: line {line}")) if OPTIONAL in row else False
-        least = 1 if truncated else shortest[place]
-        steps[place][seed, episode] = _whole(
-            row["steps"], "steps", least, expected.max_steps, f"{path}: line {line}", _named(place, seed, episode)
-        )
-        cut[place][seed, episode] = truncated
-    if not steps:
-        there = f"; there are {', '.join(sorted(others)[:8])}" if others else ""
-        raise UserError(f"{path}: has no row of method {method}{there}")
-    return dict(_complete(path, method, steps, cut, expected))
+    table = _read(Path(path))
+    names = map(shortened, sorted(table["method"].unique())[:8])
+    table = table[table["method"] == method]
+    if table.empty:
+        raise UserError(f"{path}: has no row of method {method}; there are {', '.join(names) or 'none'}")
 
+    def refuse(wrong: pd.Series, column: str, wanted: str) -> None:
+        if wrong.any():
+            row = table.loc[line := wrong.idxmax()]
+            about = f" (task {row['task']} of {row['environment']})" if column == "steps" else ""
+            value = shortened(row[column])
+            raise UserError(f"{path}: line {line}: {column} {value!r} is not allowed{about}; give {wanted}")
 
-def _rows(path: Path) -> Iterator[tuple[int, dict[str, str]]]:
-    """Yield the number and the cells of each row below the header."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise UserError(f"{path}: is no file; give a CSV table")
-        if status.st_size > LARGEST:
-            raise UserError(f"{path}: {status.st_size:,} bytes are more than the {LARGEST:,} that are read; shorten it")
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            table = csv.reader(file, strict=True)
-            header = next(table, [])
-            wanted = {*COLUMNS}
-            if len(set(header)) != len(header) or {*header} - {OPTIONAL} != wanted:
-                raise UserError(
-                    f"{path}: the columns {shortened(','.join(header))!r} are not allowed; give {','.join(COLUMNS)},"
-                    f" each once, and {OPTIONAL} if episodes were cut off"
-                )
-            for cells in table:
-                if len(cells) != len(header):
-                    raise UserError(
-                        f"{path}: line {table.line_num}: {len(cells)} cells where the header has {len(header)}"
-                    )
-                yield table.line_num, dict(zip(header, cells, strict=True))
-    except OSError as error:
-        raise UserError(f"{path}: cannot be read ({error.strerror}); check the path") from error
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: is not UTF-8 text ({error.reason}); save it as plain text") from error
-    except csv.Error as error:
-        raise UserError(f"{path}: line {table.line_num}: is not CSV ({error}); correct it there") from error
+    def whole(column: str, low: int, high: int) -> pd.Series:
+        wrong = ~table[column].str.fullmatch("[0-9]{1,18}")
+        values = table[column].mask(wrong, "0").astype(np.int64)
+        refuse(wrong | ~values.between(low, high), column, f"a whole number from {low} to {high}")
+        return values
 
-
-def _place(row: Mapping[str, str], expected: Expected, where: str) -> tuple[tuple[str, str], int, int]:
-    environment, task = row["environment"], row["task"]
-    if environment not in expected.tasks:
-        raise UserError(
-            f"{where}: environment {shortened(environment)!r} is not in this run; give one of"
-            f" {', '.join(expected.tasks)}"
-        )
-    if len(task) != 1 or task not in expected.tasks[environment]:
-        raise UserError(
-            f"{where}: {shortened(task)!r} is no task of {environment}; give one of {expected.tasks[environment]}"
-        )
-    seed = _whole(row["seed"], "seed", 0, expected.seeds - 1, where)
-    return (environment, task), seed, _whole(row["episode"], "episode", 1, expected.episodes, where) - 1
-
-
-def _whole(text: str, name: str, least: int, most: int, where: str, about: str = "") -> int:
-    if not (0 < len(text) <= 18 and WHOLE.issuperset(text) and least <= (value := int(text)) <= most):
-        about = f" ({about})" if about else ""
-        raise UserError(
-            f"{where}: {name} {shortened(text)!r} is not allowed{about}; give a whole number from {least} to {most}"
-        )
-    return value
-
-
-def _named(place: tuple[str, str], seed: int, episode: int) -> str:
-    return f"environment {place[0]}, task {place[1]}, seed {seed}, episode {episode + 1}"
-
-
-def _complete(
-    path: str | Path,
-    method: str,
-    steps: Mapping[tuple[str, str], np.ndarray],
-    cut: Mapping[tuple[str, str], np.ndarray],
-    expected: Expected,
-) -> Iterator[tuple[tuple[str, str], ForeignSteps]]:
-    """Yield the runs in the order of the tasks; refuse what is missing."""
-    named = {environment for environment, _ in steps}
+    refuse(~table["environment"].isin([*expected.tasks]), "environment", f"one of {', '.join(expected.tasks)}")
+    seed, episode = whole("seed", 0, expected.seeds - 1), whole("episode", 1, expected.episodes)
+    steps, truncated = whole("steps", 1, expected.max_steps), whole(OPTIONAL, 0, 1) == 1
+    limit = f"{expected.max_steps}, the run's learning.max_steps, for a truncated episode"
+    refuse(truncated & (steps < expected.max_steps), "steps", limit)
+    found = {}
     for environment, tasks in expected.tasks.items():
-        for task in tasks if environment in named else "":
-            place = environment, task
-            if place not in steps:
-                raise UserError(f"{path}: method {method} has no task {task} of environment {environment}; add it")
-            missing = np.argwhere(steps[place] == 0)
-            if len(missing):
-                raise UserError(
-                    f"{path}: method {method}: {_named(place, *missing[0])} is missing, and {len(missing) - 1} more of"
-                    f" this task; the run has seeds 0 to {expected.seeds - 1} and episodes 1 to {expected.episodes}"
-                )
-            yield place, ForeignSteps(steps[place], cut[place].sum(axis=1))
+        world, there = expected.worlds[environment], table["environment"] == environment
+        refuse(there & ~table["task"].isin([*tasks]), "task", f"one of {', '.join(tasks)}")
+        for task in tasks if there.any() else "":
+            rows = there & (table["task"] == task)
+            shortest = world.shortest_path_length(world.start, world.goal(task))
+            refuse(rows & ~truncated & (steps < shortest), "steps", f"at least the shortest path, {shortest}")
+            counts = np.zeros((expected.seeds, expected.episodes), dtype=np.int64)
+            np.add.at(counts, (seed[rows], episode[rows] - 1), 1)
+            for wrong, fault in ((counts > 1, "given more than once"), (counts == 0, "missing")):
+                if wrong.any():
+                    first = np.argwhere(wrong)[0]
+                    raise UserError(
+                        f"{path}: method {method}, environment {environment}, task {task}: seed {first[0]}, episode"
+                        f" {first[1] + 1} is {fault}, and {wrong.sum() - 1} more; give seeds 0 to {expected.seeds - 1}"
+                        f" and episodes 1 to {expected.episodes}, each once"
+                    )
+            ordered = np.empty_like(counts)
+            ordered[seed[rows], episode[rows] - 1] = steps[rows]
+            cut = np.bincount(seed[rows & truncated], minlength=expected.seeds)
+            found[environment, task] = ForeignSteps(ordered, cut)
+    return found
+
+
+def _read(path: Path) -> pd.DataFrame:
+    """Return the cells of a table as texts, indexed by line number; ``truncated`` is 0 if it is left out."""
+    import pandas as pd  # slow to import, and most configurations name no such table
+
+    try:
+        content = io.BytesIO(read_bytes(path, MAX_BYTES))
+        # the header as a row, so that longer rows are refused; shorter ones are filled with empty cells
+        options = {"header": None, "dtype": str, "na_filter": False, "skip_blank_lines": False}
+        table = pd.read_csv(content, encoding="utf-8-sig", **options)
+    except NotReadable as error:
+        raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV table") from error
+    except ValueError as error:  # pandas' own errors and those of UTF-8 are ValueErrors
+        raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
+    header = table.iloc[0].tolist()
+    if sorted({*header} - {OPTIONAL}) != sorted(COLUMNS) or len({*header}) != len(header):
+        raise UserError(
+            f"{path}: the columns {shortened(','.join(header))!r} are not allowed; give {','.join(COLUMNS)}, each once,"
+            f" and {OPTIONAL} if episodes were cut off"
+        )
+    table = table.iloc[1:].set_axis(header, axis="columns").set_axis(range(2, len(table) + 1))
+    return table if OPTIONAL in table else table.assign(**{OPTIONAL: "0"})

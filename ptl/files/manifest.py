@@ -24,7 +24,7 @@ MAX_BYTES = 2**24
 AGAIN = "remove it and run the workflow again"
 
 
-class Manifest(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+class Manifest(msgspec.Struct, frozen=True):
     """What a report folder says of itself.
 
     Attributes

@@ -14,7 +14,7 @@ import msgspec
 
 from ptl import methods
 from ptl.errors import UserError
-from ptl.files.provenance import LEARNING, code_digest, imports_of
+from ptl.files.provenance import LEARNING, code_digest, counts, imports_of
 from ptl.keys import ConfigurationError, Group, shortened
 from ptl.methods import BaseMethod
 
@@ -78,19 +78,18 @@ def learning_code(reference: str, *modules: str) -> str:
     modules : str
         Further modules of this package.
     """
-    modules = ("ptl.learning.life", *modules)
-    if reference in methods.names():
-        return sources_of(*modules, f"ptl.methods.{reference}")
-    if not reference.endswith(".py") and (module := reference.partition(":")[0]).startswith(LEARNING):
-        return sources_of(*modules, module)
     digest = hashlib.sha256()
-    shared = set(modules)
-    root, paths = local_sources(reference)
-    for path in paths:
-        source = path.read_bytes()
-        digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
-        shared |= imports_of(source.decode("utf-8", "replace"))
-    digest.update(sources_of(*sorted(shared)).encode())
+    used = {"ptl.learning.life", *modules}
+    module = f"ptl.methods.{reference}" if reference in methods.names() else reference.partition(":")[0]
+    if not reference.endswith(".py") and counts(module, LEARNING):
+        used.add(module)
+    else:
+        root, paths = local_sources(reference)
+        for path in paths:
+            source = path.read_bytes()
+            digest.update(os.path.relpath(path, root).encode() + b"\0" + source + b"\0")
+            used |= imports_of(source.decode("utf-8", "replace"))
+    digest.update(sources_of(*sorted(used)).encode())
     return digest.hexdigest()[:16]
 
 

@@ -50,15 +50,20 @@ def code_digest(*modules: str, within: tuple[str, ...] = ()) -> str:
 
 def _closure(modules: tuple[str, ...], within: tuple[str, ...]) -> set[Path]:
     found: set[Path] = set()
-    waiting = [name for name in modules if not within or name.startswith(within)]
+    waiting = [name for name in modules if counts(name, within)]
     seen = {*waiting}
     while waiting:
         sources, imported = _sources_and_imports(waiting.pop())
         found.update(sources)
-        new = {name for name in imported - seen if not within or name.startswith(within)}
+        new = {name for name in imported - seen if counts(name, within)}
         seen |= new
         waiting.extend(new)
     return found
+
+
+def counts(module: str, within: tuple[str, ...]) -> bool:
+    """Return whether a module is in one of some packages; without any, all modules are."""
+    return not within or f"{module}.".startswith(tuple(f"{package}." for package in within))
 
 
 @cache

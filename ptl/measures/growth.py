@@ -1,43 +1,12 @@
-"""Growth of the library: its size against the number of tasks, and a line of two slopes (the article's figure 14)."""
+"""Growth of the library: a line of two slopes through its size against the number of tasks (the article's figure 14)."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from ptl.errors import UserError
-from ptl.files.store import AGAIN, Result
-from ptl.files.tables import read_table
-
-COLUMNS = ("run", "tasks", "library_size")
-
-
-def library_sizes(results: Iterable[Result]) -> pd.DataFrame:
-    """Return the size of the library after every task of each growth file, columns `COLUMNS`."""
-    parts = []
-    for result in results:
-        sizes = result.arrays["library_size"]
-        parts.append(pd.DataFrame({"run": result.job.seed, "tasks": range(len(sizes)), "library_size": sizes}))
-    return pd.concat(parts, ignore_index=True)
-
-
-def read_sizes(path: str | Path) -> np.ndarray:
-    """Read the table of `library_sizes` as float array (runs, tasks + 1); column t is the size after t tasks.
-
-    Raises
-    ------
-    UserError
-        When the file cannot be read or a run lacks a number of tasks that others have.
-    """
-    frame = read_table(path, COLUMNS)
-    sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
-    if not sizes.size == len(frame) > 0 or sizes.columns.tolist() != list(range(sizes.shape[1])):
-        raise UserError(f"{path}: runs with different numbers of tasks, or none; {AGAIN}")
-    return sizes.to_numpy(dtype=float)
 
 
 @dataclass(frozen=True)

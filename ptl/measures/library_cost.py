@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,7 +11,6 @@ import pandas as pd
 
 from ptl.agent._selection import SkillSelection
 from ptl.agent.selection import prior
-from ptl.files.tables import read_table
 
 SELECTION_COLUMNS, STORAGE_COLUMNS = ("skills", "operations"), ("states", "skills", "bytes")
 
@@ -124,13 +122,3 @@ def library_bytes(states: Iterable[int], skills: Iterable[int] = STORED_SIZES) -
         for k in skills
     ]
     return pd.DataFrame(rows, columns=list(STORAGE_COLUMNS))
-
-
-def read_selection(path: str | Path) -> pd.DataFrame:
-    """Read the table of `selection_operations`; errors as in `ptl.files.tables.read_table`."""
-    return read_table(path, SELECTION_COLUMNS)
-
-
-def read_storage(path: str | Path) -> pd.DataFrame:
-    """Read the table of `library_bytes`; errors as in `ptl.files.tables.read_table`."""
-    return read_table(path, STORAGE_COLUMNS)

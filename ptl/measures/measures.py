@@ -204,6 +204,9 @@ SUBGOAL_COLUMNS = (
 Names = tuple[str, str, str]
 """Environment, method and task."""
 
+Steps = Mapping[Names, np.ndarray]
+"""Steps per episode by environment, method and task, int64 arrays (seeds, episodes)."""
+
 
 @dataclass(frozen=True)
 class Runs:

@@ -20,7 +20,6 @@ import hashlib
 import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +27,6 @@ import pandas as pd
 from scipy import stats
 
 from ptl.errors import UserError
-from ptl.files.tables import read_table
 from ptl.measures.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_COLUMNS, Better, Measure
 from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 
@@ -231,11 +229,6 @@ def _bootstrap(
 
 Names = tuple[str, str, str]
 """Environment, task and method."""
-
-
-def read_per_seed(path: str | Path) -> pd.DataFrame:
-    """Read ``per_seed.csv``."""
-    return read_table(path, PER_SEED_COLUMNS)
 
 
 def summarise(per_seed: pd.DataFrame, how: Resampling) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
 from ptl.keys import ConfigurationError, Group, key, repeated
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from studies.beyond.families import FAMILIES
 from studies.beyond.maps import MAIN, SEQUENCES

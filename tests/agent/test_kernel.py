@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import doctest
+import inspect
+import re
 from collections import Counter
 
 import mazes
@@ -11,10 +14,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from projects import MAPS
-from reference import ReferenceLearner, erase_loops
 from scipy import stats
 
+from ptl.agent import reference
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.reference import RandomBits, ReferenceLearner, erase_loops
 from ptl.world.gridworld import GridWorld, load_map
 
 PUBLISHED = ["env1", "env2", "env3"]
@@ -31,18 +35,6 @@ SMALL_MAP = GridWorld.from_text("I....\n.#.#.\n....A\n")
 CORNERED = GridWorld.from_text("I...\n.#..\n....\n#..A\n")
 
 
-class NotingReference(ReferenceLearner):
-    """The reference with the actions of the present episode."""
-
-    def begin_episode(self, start: int) -> None:
-        super().begin_episode(start)
-        self.actions: list[int] = []
-
-    def _step(self, action: int, learn: bool = True) -> None:
-        self.actions.append(action)
-        super()._step(action, learn)
-
-
 # -- both learners side by side ------------------------------------------------------------------------------
 
 
@@ -53,7 +45,7 @@ class Pair:
         self.kernel = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
         self.kernel.record(recorded)
         self.recorded = recorded
-        self.reference = NotingReference(world.successors, goal, np.random.SFC64(seed), **options)
+        self.reference = ReferenceLearner(world.successors, goal, RandomBits(np.random.SFC64(seed)), **options)
         self.successors = world.successors
 
     def __call__(self, call: str, *arguments, **options) -> None:
@@ -156,6 +148,16 @@ def random_calls(
 
 
 # -- bit for bit ---------------------------------------------------------------------------------------------
+
+
+def test_the_example_of_the_reference_runs():
+    assert doctest.testmod(reference).attempted >= 5
+    assert doctest.testmod(reference).failed == 0
+
+
+def test_the_reference_can_be_read_alone():
+    imports = re.findall(r"^(?:import|from) ([\w.]+)", inspect.getsource(reference), re.MULTILINE)
+    assert set(imports) == {"__future__", "collections.abc", "numpy"}
 
 
 @pytest.mark.parametrize("shortcut", [True, False])
@@ -437,13 +439,19 @@ def test_arguments_out_of_range_are_refused(env3):
 # -- laws ----------------------------------------------------------------------------------------------------
 
 
+def moves_and_stream(kind: type, world: GridWorld, seed: int) -> tuple:
+    """What a learner of this kind takes for the map and for the random numbers."""
+    if kind is Learner:
+        return Dynamics(world.successors), np.random.SFC64(seed)
+    return world.successors, RandomBits(np.random.SFC64(seed))
+
+
 def first_episodes(world: GridWorld, goal: int, episodes: int, seed: int, kind=Learner, **options):
     """Lengths and loop-erased paths of first episodes (Q = 0, so uniform random walks)."""
-    dynamics = Dynamics(world.successors) if kind is Learner else world.successors
-    stream = np.random.SFC64(seed)
+    moves, stream = moves_and_stream(kind, world, seed)
     lengths, paths = np.empty(episodes, dtype=np.int64), []
     for episode in range(episodes):
-        learner = kind(dynamics, goal, stream, **options)
+        learner = kind(moves, goal, stream, **options)
         learner.begin_episode(world.start)
         learner.explore()
         lengths[episode] = learner.steps
@@ -533,11 +541,10 @@ def test_shortcut_keeps_the_law_while_learning():
     goal = world.goals["A"]
 
     def third_episodes(kind, seed, **options):
-        dynamics = Dynamics(world.successors) if kind is Learner else world.successors
-        stream = np.random.SFC64(seed)
+        moves, stream = moves_and_stream(kind, world, seed)
         lengths, paths = [], Counter()
         for _ in range(2500):
-            learner = kind(dynamics, goal, stream, alpha=0.5, **options)
+            learner = kind(moves, goal, stream, alpha=0.5, **options)
             for _ in range(3):
                 learner.begin_episode(world.start)
                 learner.explore()

@@ -1,51 +1,31 @@
-"""What columns of numbers can hold, for every column of the tables that jobs hand to each other."""
+"""Columns of tables: which are texts, and which other values than numbers are refused."""
 
 from __future__ import annotations
 
-import pandas as pd
 import pytest
-from projects import ROOT
 
 from ptl.errors import UserError
-from ptl.files.tables import COLUMNS, NAMES, read_table
-from ptl.measures.growth import COLUMNS as GROWTH_COLUMNS
-from ptl.measures.library_cost import SELECTION_COLUMNS, STORAGE_COLUMNS
-from ptl.measures.measures import PER_SEED_COLUMNS, SUBGOAL_COLUMNS
-
-TABLES = ("per_seed", "subgoals", "growth", "selection_cost", "library_bytes")
+from ptl.files.tables import check_numbers, read_table
 
 
-@pytest.mark.parametrize("name", TABLES)
-def test_published_tables_hold_what_they_can(name):
-    path = ROOT / f"reports/published/tables/{name}.csv"
-    assert len(read_table(path, pd.read_csv(path, nrows=0).columns))
-
-
-def test_every_column_of_numbers_is_declared():
-    texts = {*NAMES, "reason", "task"}
-    costs = (SELECTION_COLUMNS, STORAGE_COLUMNS)
-    for columns in (*costs, GROWTH_COLUMNS, PER_SEED_COLUMNS, SUBGOAL_COLUMNS):
-        assert set(columns) - texts <= set(COLUMNS)
-
-
-def refused(column: str) -> list[str]:
-    """Values that a column cannot hold."""
-    numbers = COLUMNS[column]
-    wrong = ["inf", "-inf", "many", "1e999", "0x10", "True"]
-    wrong += [] if numbers.missing else ["", "nan"]
-    wrong += ["1.5"] if numbers.whole else []
-    wrong += [str(numbers.low - 1)] if numbers.low > -1e300 else []
-    return wrong + ([str(numbers.high + 1)] if numbers.high < 1e300 else [])
-
-
-@pytest.mark.parametrize("column", COLUMNS)
-def test_what_a_column_cannot_hold_is_refused_in_one_line(column, tmp_path, record_property):
-    record_property("impossible values in tables, all refused", len(refused(column)))
+def test_names_are_texts_and_only_empty_cells_are_missing(tmp_path):
     path = tmp_path / "table.csv"
-    for value in refused(column):
-        path.write_text(f"{column},other\n1,0\n{value},0\n")
-        with pytest.raises(UserError, match=f"column '{column}' must hold ") as caught:
-            read_table(path, [column])
-        assert str(COLUMNS[column]) in str(caught.value) and "\n" not in str(caught.value)
-    path.write_text(f"{column},other\n1,0\n" + ",0\n" * COLUMNS[column].missing)
-    assert len(read_table(path, [column])) == 1 + COLUMNS[column].missing
+    path.write_text("map,task,steps,note\n300,NA,1.5,nan\n,1,,\n")
+    frame = read_table(path, ["map", "steps"], texts=["map"])
+    assert frame["map"].tolist()[0] == "300" and frame["task"].tolist() == ["NA", "1"] and frame["note"][0] == "nan"
+    assert frame.isna().to_numpy().tolist() == [[False] * 4, [True, False, True, True]]
+    with pytest.raises(UserError, match="no column 'seed'; remove the table and run the workflow again"):
+        read_table(path, ["map", "seed"])
+
+
+@pytest.mark.parametrize("value", ["", "nan", "inf", "-inf", "many", "1e999", "0x10", "True", "1.5", "-1"])
+def test_other_values_than_whole_numbers_are_refused(tmp_path, value):
+    path = tmp_path / "table.csv"
+    path.write_text(f"seed,other\n1,0\n{value},0\n")
+    frame = read_table(path, ["seed"])
+    with pytest.raises(UserError, match=r"row 2: seed '.*' is not allowed; give a whole number from 0 up"):
+        check_numbers(frame, path, ["seed"], low=0)
+    if value in {"1.5", "-1"}:
+        check_numbers(frame, path, ["seed"])
+    if value in {"", "-1"}:
+        check_numbers(frame, path, ["seed"], low=-1, missing=True)

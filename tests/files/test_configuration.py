@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from projects import ROOT
 
-from ptl.cli.config_docs import MARK, json_schema, tables
+from ptl.report.config_page import MARK, json_schema, tables
 from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
@@ -320,7 +320,7 @@ def test_files_that_are_not_text_are_refused(tmp_path):
 
 def test_the_tables_of_keys_are_up_to_date():
     page = (ROOT / "config/README.md").read_text(encoding="utf-8")
-    assert page.partition(MARK)[2] == "\n" + tables(), "run: ptl config-docs"
+    assert page.partition(MARK)[2] == "\n" + tables(), "run: ptl docs"
 
 
 def test_every_key_has_a_sentence_and_a_row():

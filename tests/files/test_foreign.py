@@ -53,28 +53,38 @@ def test_a_table_is_read_in_the_order_of_the_run_whatever_its_own_order(tmp_path
     assert found["rooms", "B"].truncated.tolist() == [0, 0]
 
 
-def test_truncated_episodes_are_counted_and_may_be_shorter_than_the_shortest_path(tmp_path):
+def test_truncated_episodes_are_counted(tmp_path):
     table = [{**row, "truncated": int(row["seed"] == 1 and row["episode"] < 3)} for row in rows()]
-    table[3]["steps"] = 1
+    table = [{**row, "steps": 1000} if row["truncated"] else row for row in table]
     found = read_foreign(write(tmp_path / "t.csv", table, (*COLUMNS, "truncated")), "walker", EXPECTED)
     assert found["rooms", "A"].truncated.tolist() == [0, 2]
+    assert found["rooms", "A"].steps.tolist() == [[21, 22, 23], [1000, 1000, 33]]
+
+
+@pytest.mark.parametrize("steps", [1, 999])
+def test_an_episode_that_was_cut_off_too_early_is_refused(tmp_path, steps):
+    """Even if all of them were: with fewer steps than the run's limit they would count as successes."""
+    table = [{**row, "steps": steps, "truncated": 1} for row in rows()]
+    assert refusal(write(tmp_path / "t.csv", table, (*COLUMNS, "truncated"))) == (
+        f"line 2: steps '{steps}' is not allowed (task A of rooms); give 1000, the run's learning.max_steps, for a"
+        " truncated episode"
+    )
 
 
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"environment": "hall"}, "line 2: environment 'hall' is not in this run; give one of rooms, again"),
-        ({"task": "C"}, "line 2: 'C' is no task of rooms; give one of AB"),
-        ({"task": ""}, "line 2: '' is no task of rooms"),
+        ({"environment": "hall"}, "line 2: environment 'hall' is not allowed; give one of rooms, again"),
+        ({"task": "C"}, "line 2: task 'C' is not allowed; give one of A, B"),
+        ({"task": ""}, "line 2: task '' is not allowed; give one of A, B"),
         ({"seed": 2}, "line 2: seed '2' is not allowed; give a whole number from 0 to 1"),
         ({"episode": 0}, "line 2: episode '0' is not allowed; give a whole number from 1 to 3"),
-        ({"steps": 5}, "line 2: steps '5' is not allowed (environment rooms, task A, seed 0, episode 1); give a whole"
-         " number from 8 to 1000"),
-        *[({"steps": value}, f"line 2: steps '{value}' is not allowed") for value in ("21.0", "-30", "", "nan", "²1",
-                                                                                        "1001", "9" * 30, "1e3")],
-        ({"seed": 1}, "line 5: environment rooms, task A, seed 1, episode 1 is there twice; keep one of them"),
-        ({"method": "x"}, "method walker: environment rooms, task A, seed 0, episode 1 is missing, and 0 more of this"
-         " task; the run has seeds 0 to 1 and episodes 1 to 3"),
+        ({"steps": 5}, "line 2: steps '5' is not allowed (task A of rooms); give at least the shortest path, 8"),
+        *[({"steps": value}, f"line 2: steps '{value}' is not allowed (task A of rooms); give a whole number from 1 to"
+            " 1000") for value in ("21.0", "-30", "", "nan", "²1", "1001", "9" * 30, "1e3")],
+        ({"seed": 1}, "method walker, environment rooms, task A: seed 1, episode 1 is given more than once, and 0 more;"
+         " give seeds 0 to 1 and episodes 1 to 3, each once"),
+        ({"method": "x"}, "method walker, environment rooms, task A: seed 0, episode 1 is missing, and 0 more; give"),
     ],
 )  # fmt: skip
 def test_a_wrong_row_is_named(tmp_path, changes, message):
@@ -85,23 +95,26 @@ def test_a_wrong_row_is_named(tmp_path, changes, message):
 
 def test_a_missing_task_or_method_is_named(tmp_path):
     path = write(tmp_path / "t.csv", [row for row in rows() if row["task"] == "A"])
-    assert refusal(path) == "method walker has no task B of environment rooms; add it"
+    assert refusal(path).startswith(
+        "method walker, environment rooms, task B: seed 0, episode 1 is missing, and 5 more"
+    )
     assert refusal(path, "runner") == "has no row of method runner; there are walker"
 
 
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "the columns '' are not allowed; give environment,method,task,seed,episode,steps"),
+        (b"", "cannot be read as CSV (No columns to parse from file); correct it there"),
         (b"environment,method,task,seed,episode\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,steps\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,reward\n", "the columns"),
-        (b"environment,method,task,seed,episode,steps\na,b\n", "line 2: 2 cells where the header has 6"),
-        (b'environment,method,task,seed,episode,steps\n"a', "line 2: is not CSV"),
-        (b"environment,method,task,seed,episode,steps\n\xff,b,c,1,1,1\n", "is not UTF-8 text"),
-        (b"environment,method,task,seed,episode,steps\n" + b"a" * 200_000, "line 2: is not CSV"),
+        (b"environment,method,task,seed,episode,steps\nrooms,walker\n", "line 2: seed '' is not allowed"),
+        (b"environment,method,task,seed,episode,steps\na,b,c,1,1,1,1\n", "cannot be read as CSV (Error tokenizing data."
+         " C error: Expected 6 fields in line 2, saw 7); correct it there"),
+        (b'environment,method,task,seed,episode,steps\n"a', "cannot be read as CSV (Error tokenizing data. C"),
+        (b"environment,method,task,seed,episode,steps\n\xff,b,c,1,1,1\n", "cannot be read as CSV ('utf-8' codec can't"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_such_table_is_refused(tmp_path, content, message):
     path = tmp_path / "t.csv"
     path.write_bytes(content)
@@ -110,8 +123,8 @@ def test_what_is_no_such_table_is_refused(tmp_path, content, message):
 
 def test_folders_pipes_and_absent_files_are_refused_at_once(tmp_path):
     os.mkfifo(tmp_path / "pipe")
-    assert refusal(tmp_path / "pipe") == "is no file; give a CSV table"
-    assert refusal(tmp_path) == "is no file; give a CSV table"
+    assert refusal(tmp_path / "pipe") == "cannot be read (a pipe, not a file); give a CSV table"
+    assert refusal(tmp_path) == "cannot be read (a folder, not a file); give a CSV table"
     assert refusal(tmp_path / "none.csv").startswith("cannot be read (No such file")
 
 
@@ -124,7 +137,7 @@ def test_the_configuration_checks_the_table_before_the_first_job(tmp_path):
         "foreign_results": {"walker": {"file": str(path)}},
     }  # fmt: skip
     assert completed(config).foreign_results["walker"].label == "Walker"
-    with pytest.raises(UserError, match="method walker: environment rooms, task A, seed 2, episode 1 is missing"):
+    with pytest.raises(UserError, match="method walker, environment rooms, task A: seed 2, episode 1 is missing"):
         completed({**config, "seeds": 3})
     for taken in ("ptl", "no_transfer"):
         with pytest.raises(UserError, match=f"foreign_results.{taken}: is a method of this package"):

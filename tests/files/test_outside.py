@@ -14,7 +14,7 @@ from ptl.files.configuration import completed
 from ptl.files.outside import configured, learning_code, local_sources
 from ptl.files.results import open_learning
 from ptl.files.verification import faults_of
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 
 MINE = """
 from typing import Annotated

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import importlib
 import shutil
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from projects import ROOT
 from ptl.errors import UserError
 from ptl.files import provenance
 from ptl.files.checkout import check_checkout
+from ptl.files.outside import learning_code
 
 
 def forget() -> None:
@@ -41,8 +41,7 @@ def test_imports_are_found_as_the_parser_finds_them():
         name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
         sources, imported = provenance._sources_and_imports(name)
         assert sources[0] == path and imported >= parsed_imports(path), name
-        # these hold a program for another process as text
-        assert imported == parsed_imports(path) or name in {"ptl.benchmark.startup", "ptl.deployment"}, name
+        assert imported == parsed_imports(path), name
 
 
 def test_both_forms_of_imports_are_found(package):
@@ -67,9 +66,6 @@ def package(tmp_path, monkeypatch) -> Path:
     forget()
 
 
-LEARNING = ("ptl.learning.life", "ptl.methods.ptl", "ptl.files.results")
-
-
 @pytest.mark.parametrize(
     ("edited", "learning_changes"),
     [
@@ -80,7 +76,15 @@ LEARNING = ("ptl.learning.life", "ptl.methods.ptl", "ptl.files.results")
         ("agent/skills.py", True),
         ("agent/subgoals.py", True),
         ("methods/ptl.py", True),
-        ("files/results.py", True),
+        ("methods/__init__.py", True),
+        ("methods/beyond/__init__.py", False),
+        ("world/mazes.py", False),
+        ("errors.py", False),
+        ("keys.py", False),
+        ("config.py", False),
+        ("text.py", False),
+        ("files/results.py", False),
+        ("files/configuration.py", False),
         ("methods/policy_reuse.py", False),
         ("report/figures/maps.py", False),
         ("report/figures/style.py", False),
@@ -89,12 +93,15 @@ LEARNING = ("ptl.learning.life", "ptl.methods.ptl", "ptl.files.results")
         ("learning/_survey.pyx", False),
     ],
 )
-def test_only_what_learning_uses_changes_its_digest(package, edited, learning_changes):
-    before = provenance.code_digest(*LEARNING)
+def test_only_what_learning_uses_changes_its_digest(package, tmp_path, edited, learning_changes):
+    mine = tmp_path / "mine.py"
+    mine.write_text("from ptl.keys import Group\nfrom ptl.methods import ptl\n")
+    before = [learning_code("ptl"), learning_code(str(mine))]
     path = package / edited
     path.write_text(path.read_text() + "\n# edited\n")
     forget()
-    assert (provenance.code_digest(*LEARNING) != before) == learning_changes
+    after = [learning_code("ptl"), learning_code(str(mine))]
+    assert [one != other for one, other in zip(before, after, strict=True)] == [learning_changes] * 2
 
 
 @pytest.mark.parametrize(
@@ -129,11 +136,3 @@ def test_the_workflow_of_another_checkout_is_refused(tmp_path):
     with pytest.raises(UserError, match=r"runs with the code in .* run 'make build' there"):
         check_checkout(tmp_path / "workflow")
     check_checkout(ROOT / "workflow")
-
-
-def test_make_rebuilds_when_a_compiled_source_changes(monkeypatch):
-    monkeypatch.syspath_prepend(ROOT)
-    make_venv = importlib.import_module("make_venv")
-    sources = {str(path.relative_to(ROOT)) for path in make_venv.sources("built")}
-    assert {f"ptl/{name}" for names in provenance.EXTENSIONS.values() for name in names} <= sources
-    assert "setup.py" in sources

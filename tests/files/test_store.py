@@ -1,133 +1,136 @@
-"""HDF5 files: equal runs give equal bytes, everything is read back, and damage is found and named."""
+"""Result files: equal jobs give equal bytes, everything is read back, and damage is found and named."""
 
 from __future__ import annotations
 
-import re
-from pathlib import Path
+import json
+import random
 
-import h5py
+import msgspec
 import numpy as np
 import pytest
-from damage import rewrite
-from lives import QUICK, ROOMS, live, origin
+from damage import SEED, damages, rewrite
+from lives import QUICK, ROOMS, job, live, write_life
 
-from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.atomic import atomic_path, write_text
 from ptl.files.csv import format_number
-from ptl.files.hdf5 import read_file
-from ptl.files.results import GROWTH, open_learning, open_result, write_growth, write_learning
-from ptl.files.verification import faults_of
-from ptl.learning.growth import grow_library
+from ptl.jobs.grow import Grow
+from ptl.jobs.learn import skills_of, tasks_in
 
 LIFE = live("ptl", 3)
 
 
-def write(path: Path, seed: int = 3) -> Path:
-    write_learning(path, LIFE, ROOMS, origin("ptl", seed))
-    return path
-
-
 @pytest.fixture
-def learned(tmp_path) -> Path:
-    return write(tmp_path / "learning/rooms/ptl/seed_003.h5")
+def learned(tmp_path):
+    return write_life(tmp_path, "ptl", 3)
 
 
 def test_everything_is_read_back(learned):
-    with open_learning(learned) as result:
-        assert (result.environment, result.method, result.seed, result.root_seed) == ("rooms", "ptl", 3, 1)
-        assert Parameters.from_dict(result.parameters) == QUICK
-        assert result.world.text == ROOMS.text
-        assert list(result.tasks) == ["A", "B"]
-        for view, record in zip(result.tasks.values(), LIFE.records, strict=True):
-            for name in ("q", "seen", "steps", "truncated"):
-                np.testing.assert_array_equal(getattr(view, name), getattr(record, name))
-            np.testing.assert_array_equal(view.original, record.discovery.original.product)
-            np.testing.assert_array_equal(view.incremental, record.discovery.incremental.product)
-            assert [view.selected_in(episode) for episode in range(20)] == record.selected
-            assert (view.subgoal, view.diameter) == (record.update.subgoal, record.discovery.diameter)
-        for stored, skill in zip(result.library, LIFE.library.skills, strict=True):
-            np.testing.assert_array_equal(stored.policy, skill.policy)
-            assert (stored.subgoal, stored.learned_after) == (skill.subgoal, skill.learned_after)
-        with pytest.raises(AttributeError, match="holds no 'colour'"):
-            _ = result.tasks["A"].colour
+    result = store.read(learned, job("ptl", 3))
+    assert result.job == job("ptl", 3) and result.job.settings == QUICK
+    assert result.world.text == ROOMS.text and {"ptl", "numpy", "h5py"} == {*result.versions}
+    for view, record in zip(tasks_in(result).values(), LIFE.records, strict=True):
+        for name in ("q", "seen", "steps", "truncated"):
+            np.testing.assert_array_equal(getattr(view, name), getattr(record, name))
+        np.testing.assert_array_equal(view.original, record.discovery.original.product)
+        np.testing.assert_array_equal(view.incremental, record.discovery.incremental.product)
+        assert [view.selected_in(episode) for episode in range(20)] == record.selected
+        assert (view.subgoal, view.diameter) == (record.update.subgoal, record.discovery.diameter)
+        assert view.reason == record.update.reason and isinstance(view.novelty, float)
+    for stored, skill in zip(skills_of(result.arrays), LIFE.library.skills, strict=True):
+        np.testing.assert_array_equal(stored.policy, skill.policy)
+        assert (stored.subgoal, stored.learned_after) == (skill.subgoal, skill.learned_after)
 
 
-def test_equal_lives_give_equal_bytes(tmp_path):
-    first, second = write(tmp_path / "a.h5"), write(tmp_path / "b.h5")
+def test_equal_jobs_give_equal_bytes(tmp_path):
+    first, second = write_life(tmp_path / "a", "ptl"), write_life(tmp_path / "b", "ptl")
     assert first.read_bytes() == second.read_bytes()
-    assert write(tmp_path / "c.h5", seed=4).read_bytes() != first.read_bytes()
+    assert write_life(tmp_path / "a", "ptl", 1).read_bytes() != first.read_bytes()
+    assert store.digest_in(first) == job("ptl").digest
+    assert store.digest_in(tmp_path / "none.h5") is None
 
 
-def test_a_good_file_has_no_faults(learned):
-    assert faults_of(learned) == []
+def test_a_growth_file_is_read_back(tmp_path):
+    learn = job("ptl")
+    grow = Grow(root_seed=1, parameters=learn.parameters, maps=learn.maps, code=learn.code, environment="rooms", tasks=6,
+                seed=0)  # fmt: skip
+    store.write(tmp_path / "run_000.h5", grow, grow.run({"rooms": ROOMS}), {"rooms": ROOMS})
+    sizes = store.read(tmp_path / "run_000.h5", grow).arrays["library_size"]
+    assert sizes[0] == 0 and len(sizes) == 7 and sizes[-1] > 0
+    with pytest.raises(UserError, match=r"was made with kind 'growth/2', not 'learning/2'"):
+        store.read(tmp_path / "run_000.h5", learn)
 
 
-def test_growth_file(tmp_path):
-    life = grow_library(ROOMS, 6, QUICK, 1, "rooms", 0)
-    path = tmp_path / "growth/run_000.h5"
-    write_growth(path, life, ROOMS, origin("ptl", 0, module="growth"))
-    assert faults_of(path) == []
-    with open_result(path, GROWTH) as result:
-        sizes = result.file["library_size"][()]
-    assert sizes[0] == 0 and sizes[-1] == len(life.library) and len(sizes) == 7
-    with pytest.raises(UserError, match=r"is not a ptl-learning/1 file .*belongs to no run"), open_learning(path):
-        pass
-
-
-def test_numbers_of_a_task_stay_after_the_file_is_closed(learned):
-    with open_learning(learned) as file:
-        view = file.tasks["A"]
-    assert view.goal == ROOMS.goal("A") and view.reason
-    assert isinstance(view.novelty, float) and isinstance(view.diameter, int)
-
-
-def _set(name: str, index, value):
-    def change(file: h5py.File) -> None:
-        file[name][index] = value
-
-    return change
+def test_every_damage_is_found(learned, record_property):
+    whole = learned.read_bytes()
+    tried = 0
+    for what, damaged in damages(whole, random.Random(SEED)):
+        if damaged != whole:
+            tried += 1
+            learned.write_bytes(damaged)
+            with pytest.raises(UserError, match=f"^{learned}: damaged.*; remove it") as caught:
+                store.read(learned)
+            assert "\n" not in str(caught.value), what
+    record_property("damages tried, all found", tried)
+    assert tried > 25
 
 
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("name", "values", "says"),
     [
-        (_set("tasks/A/steps", 0, 1), "task A: an episode is shorter than the shortest path"),
-        (_set("tasks/B/q", (0, 0), 1.5), r"task B: a value of Q .*\[0, 1\]"),
-        (_set("tasks/B/q", (0, 0), np.nan), r"/tasks/B/q: holds a value that is not finite"),
-        (_set("tasks/B/selected", 0, 7), "task B: a skill was drawn that did not exist yet"),
-        (_set("tasks/A/selected_offsets", -1, 3), "task A: the skills drawn do not fit"),
-        (_set("library/policies", (0, slice(None)), 3), "does not lead to the subgoal"),
-        (_set("library/subgoals", 0, 0), "the library does not hold the subgoal found"),
-        (lambda file: file.attrs.modify("code", "0" * 16), "made by another version of the code"),
-        (lambda file: file.attrs.modify("seed", 9), "holds the job rooms/ptl/seed_009.h5"),
+        ("tasks/A/steps", [1] * 20, "task A: an episode is shorter than the shortest path"),
+        ("tasks/B/q", np.full((ROOMS.n_states, 4), 1.5), "task B: a value of Q is outside"),
+        ("tasks/B/q", np.full((ROOMS.n_states, 4), np.nan), "tasks/B/q: has a value that is not finite"),
+        ("tasks/A/selected_offsets", [0] * 21, "task A: the skills drawn do not fit"),
+        ("library/policies", np.full((1, ROOMS.n_states), 3), "does not lead to the subgoal"),
+        ("library/subgoals", [0], "its library is not made of the subgoals found|does not lead to the subgoal"),
     ],
 )
-def test_impossible_content_is_found_though_the_checksum_fits(learned, change, says):
+def test_impossible_content_is_found_though_the_checksum_fits(learned, name, values, says):
+    def change(file):
+        stored = file[name]
+        stored[...] = np.broadcast_to(np.asarray(values, dtype=stored.dtype)[: len(stored)], stored.shape)
+
     rewrite(learned, change)
-    faults = faults_of(learned)
-    assert any(re.search(says, fault) for fault in faults), faults
-    assert all("\n" not in fault and "belongs to no run of this folder" in fault for fault in faults)
+    with pytest.raises(UserError, match=says):
+        store.read(learned)
 
 
-def test_missing_file(tmp_path):
-    [fault] = faults_of(tmp_path / "none.h5")
-    assert fault.endswith("no such file; check the path")
+def test_a_map_other_than_that_of_the_job_is_found(learned):
+    text = json.dumps({"rooms": ROOMS.text.replace("#..A#", "#.A.#")})
+    rewrite(learned, lambda file: file.attrs.modify("maps", text))
+    with pytest.raises(UserError, match="its map of rooms is not that of its job"):
+        store.read(learned)
 
 
-@pytest.mark.parametrize(("name", "kind"), [("README.md", "text/markdown"), ("reports/tiny/metrics.csv", "text/csv")])
-def test_files_of_other_kinds_are_not_taken_for_damage(tmp_path, monkeypatch, name, kind):
-    monkeypatch.chdir(tmp_path)
-    for path, text in (("config/config.yaml", "run: tiny\n"), (name, "environment,task\n")):
-        Path(path).parent.mkdir(exist_ok=True, parents=True)
-        Path(path).write_text(text)
-    with pytest.raises(UserError, match=f"^{name}: is {kind}, no result file; name a file that ends in .h5$"):
-        read_file(name)
+@pytest.mark.parametrize(
+    ("wanted", "says"),
+    [
+        (job("ptl", 3, parameters=QUICK.replace(skills__patience=3.0)), "made with skills.patience 1.0, not 3.0; remove"),
+        (job("ptl", 4), "made with seed 3, not 4"),
+        (job("no_transfer", 3), "made with method 'ptl', not 'no_transfer' \\(and 2 other differences\\)"),
+        (msgspec.structs.replace(job("ptl", 3), code="0" * 16), "made with another version of the code"),
+    ],
+)
+def test_a_file_of_another_job_is_refused(learned, wanted, says):
+    with pytest.raises(UserError, match=f"^{learned}: was {says}"):
+        store.read(learned, wanted)
 
 
-def test_errors_of_the_reader_are_not_taken_for_damage(learned):
-    with pytest.raises(ValueError, match="mine"), open_learning(learned):
-        raise ValueError("mine")
+def test_nothing_impossible_is_written(tmp_path):
+    arrays = job("ptl").run({"rooms": ROOMS})
+    with pytest.raises(UserError, match="is not written; tasks/A/q: is missing"):
+        store.write(tmp_path / "a.h5", job("ptl"), {k: v for k, v in arrays.items() if k != "tasks/A/q"}, {"rooms": ROOMS})
+    assert not list(tmp_path.iterdir())
+
+
+def test_other_files_are_named_as_such(tmp_path):
+    with pytest.raises(UserError, match=r"none.h5: no such file; check the path"):
+        store.read(tmp_path / "none.h5")
+    (tmp_path / "notes.md").write_text("# Notes\n")
+    with pytest.raises(UserError, match=r"notes.md: damaged, or no result file"):
+        store.read(tmp_path / "notes.md")
 
 
 def test_interrupted_write_leaves_the_old_file_and_no_litter(tmp_path):

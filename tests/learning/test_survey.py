@@ -6,11 +6,11 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from reference import ReferenceLearner
 from scipy import stats
 
 from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.reference import RandomBits, ReferenceLearner
 from ptl.agent.subgoals import fd_metric
 from ptl.config import Learning
 from ptl.errors import UserError
@@ -25,16 +25,14 @@ ROOMS = GridWorld.from_text("#########\n#I..#...#\n#.......#\n#...#..A#\n#######
 def one_by_one(world: GridWorld, start: int, goals, bit_generator, trajectories: int) -> list[int]:
     """The same tasks through the plain reference and the plain metric, on one stream of random numbers."""
     subgoals = []
-    spare_half = None
+    random = RandomBits(bit_generator)
     for goal in goals:
-        learner = ReferenceLearner(world.successors, int(goal), bit_generator)
-        learner._spare_half = spare_half
+        learner = ReferenceLearner(world.successors, int(goal), random)
         paths = []
         while len(paths) < trajectories:
             learner.begin_episode(start)
             learner.explore()
             paths.append(learner.erased_path())
-        spare_half = learner._spare_half
         metric = fd_metric(paths, world.n_states).product
         subgoals.append(int(metric.argmax()) if metric.any() else -1)
     return subgoals

@@ -43,7 +43,6 @@ def test_table_of_growth_files(tmp_path: Path) -> None:
         ("run,tasks\n0,0\n", "no column 'library_size'"),
         ("run,tasks,library_size\n0,0,0\n0,1,1\n1,0,0\n", "different numbers of tasks"),
         ("run,tasks,library_size\n0,0,0\n0,1,1\n0,1,2\n", "different numbers of tasks"),
-        ("run,tasks,library_size\n0,0,0\n0,1,many\n", "'library_size' must hold whole numbers"),
         ("run,tasks,library_size\n", "different numbers of tasks, or none"),
         ("", "cannot be read as CSV"),
     ],

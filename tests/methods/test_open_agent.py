@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from projects import ROOT
-from reference import ReferenceLearner
 
 from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.reference import RandomBits, ReferenceLearner
 from ptl.config import Parameters
 from ptl.errors import UserError
-from ptl.learning import method_check
+from ptl.learning import trial
 from ptl.learning.life import learn_life, tasks_of
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.methods import BaseMethod
 from ptl.world.gridworld import GridWorld
 
@@ -229,7 +229,7 @@ def test_a_bonus_leads_but_is_not_learned():
 @pytest.mark.parametrize("epsilon", [0.0, 0.1, 0.5])
 def test_epsilon_greedy_act_by_act_agrees_with_the_reference(env3, how, epsilon):
     goal, rounds = env3.goal("A"), 4
-    reference = ReferenceLearner(env3.successors, goal, np.random.SFC64(5), epsilon=epsilon, shortcut=False)
+    reference = ReferenceLearner(env3.successors, goal, RandomBits(np.random.SFC64(5)), epsilon=epsilon, shortcut=False)
     learner = Learner(Dynamics(env3.successors), goal, np.random.SFC64(5), epsilon=epsilon)
     halves = (half for word in iter(np.random.SFC64(5).random_raw, None) for half in (word & 2**32 - 1, word >> 32))
 
@@ -391,7 +391,7 @@ def test_a_reference_and_its_class_give_the_same_life():
         ("1 / 0\n", "ZeroDivisionError: division by zero .*own.py, line 1"),
         (GOOD.replace("Method(", "Agent("), "defines no class Method derived from ptl.methods.BaseMethod"),
         (GOOD.replace("(BaseMethod)", ""), "defines no class Method derived from"),
-        (GOOD.replace('label = "Mine"', ""), "label = None is not allowed; give text without braces"),
+        (GOOD.replace('label = "Mine"', ""), "label = None is not allowed; give text without braces, <"),
         (GOOD.replace('"Mine"', '"a{b}"'), "label = 'a{b}' is not allowed"),
         (GOOD.replace('colour = "#123456"', ""), "colour = None is not allowed; give #rrggbb"),
         (GOOD.replace("#123456", "red"), "colour = 'red' is not allowed; give #rrggbb"),
@@ -464,7 +464,7 @@ def test_a_file_that_ends_python_or_fails_without_a_text_is_refused(tmp_path, te
 @pytest.mark.parametrize("body", ["while True: pass", "raise SystemExit(0)"])
 def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypatch, body):
     (tmp_path / "mine.py").write_text(GOOD.replace("learner.explore()", body))
-    monkeypatch.setattr(method_check, "TRIAL_SECONDS", 0.2)
+    monkeypatch.setattr(trial, "TRIAL_SECONDS", 0.2)
     with pytest.raises(UserError, match=r"mine\.py: (SystemExit|a life of two tasks .* has not ended)"):
         check_method(str(tmp_path / "mine.py"))
 

@@ -127,7 +127,7 @@ def job(kind: str, folder: Path, entry: dict | None = None, files: dict | None =
 
 def draw(kind: str, output: Path, work: Job) -> None:
     """Draw a figure as the workflow's script does."""
-    style.save(*import_module(f"ptl.report.figures.{kind}").make(work), output)
+    saving.save(*import_module(f"ptl.report.figures.{kind}").make(work), output)
 
 
 @pytest.fixture(scope="module")

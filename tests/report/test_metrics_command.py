@@ -88,18 +88,21 @@ def test_few_seeds_promise_no_interval(tmp_path: Path):
     assert printed(str(tmp_path / "metrics.csv"), "-e", "env1")[0] == "env1, task F (2 seeds: mean)"
 
 
-@pytest.mark.parametrize("text", ["a,b\n1,2\n", "environment,task,method,metric\nenv1,A,ptl,total_steps\n"])
-def test_another_table_is_refused(tmp_path: Path, text):
+@pytest.mark.parametrize(
+    ("text", "column"),
+    [("a,b\n1,2\n", "environment"), ("environment,task,method,metric\nenv1,A,ptl,total_steps\n", "mean")],
+)
+def test_another_table_is_refused(tmp_path: Path, text, column):
     path = tmp_path / "other.csv"
     path.write_text(text)
-    assert refusal(str(path)).startswith(f"{path}: no table of estimates (column ")
+    assert refusal(str(path)).startswith(f"{path}: no column '{column}'")
 
 
 def test_words_for_numbers_are_refused(tmp_path: Path):
     metrics = read_csv("reports/published/tables/metrics.csv").astype({"mean": str})
     metrics.loc[3, "mean"] = "many"
     metrics.to_csv(tmp_path / "metrics.csv", index=False)
-    assert "no table of estimates (column mean)" in refusal(str(tmp_path / "metrics.csv"))
+    assert "row 4: mean 'many' is not allowed; give a number" in refusal(str(tmp_path / "metrics.csv"))
 
 
 ESTIMATES = "environment,task,method,metric,mean,std,ci_low,ci_high,n,seeds\n"
@@ -108,10 +111,12 @@ ESTIMATES = "environment,task,method,metric,mean,std,ci_low,ci_high,n,seeds\n"
 @pytest.mark.parametrize(
     ("rows", "fault"),
     [
-        (["1,,1,1,5,"], "column seeds"), (["1,,1,1,5,inf"], "column seeds"), (["1,,1,1,5,-5"], "column seeds"),
-        (["1,,1,1,5,0"], "column seeds"), (["1,,1,1,5,True"], "column seeds"), (["1,,1,1,2.5,5"], "column n"),
-        (["1,,1,1,-1,5"], "column n"), (["1,,1,1,,5"], "column n"), (["1e400,,1,1,5,5"], "column mean"),
-        (["True,,1,1,5,5"], "column mean"), (["1,,-inf,1,5,5"], "column ci_low"), (["1,,2,1,5,5"], "an interval"),
+        (["1,,1,1,5,"], "row 1: seeds '' is not allowed; give a whole number from 1 up"),
+        (["1,,1,1,5,inf"], "seeds 'inf'"),
+        (["1,,1,1,5,-5"], "seeds '-5'"), (["1,,1,1,5,0"], "seeds '0'"), (["1,,1,1,5,True"], "seeds 'True'"),
+        (["1,,1,1,2.5,5"], "n '2.5'"), (["1,,1,1,-1,5"], "n '-1'"), (["1,,1,1,,5"], "n ''"),
+        (["1e400,,1,1,5,5"], "row 1: mean 'inf' is not allowed; give a number"), (["True,,1,1,5,5"], "mean 'True'"),
+        (["1,,-inf,1,5,5"], "ci_low '-inf'"), (["1,,2,1,5,5"], "an interval"),
         ([",,,,5,5"], "values without a mean"), (["1,,1,1,5,5"] * 2, "row 2 has the estimate of an earlier row"),
     ],
     ids=str,

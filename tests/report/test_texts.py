@@ -45,7 +45,7 @@ def test_in_markdown(text):
 def test_in_figures(text, tmp_path):
     world = GridWorld.from_text("I.\n.A\n")
     figure = maps.draw(world, text)
-    style.save(figure, maps.places(world), tmp_path / "map.png")
+    saving.save(figure, maps.places(world), tmp_path / "map.png")
     [axes] = figure.axes
     assert axes.title.get_text() + axes._left_title.get_text() == f"{text}: 4 states"
     assert not axes._left_title.get_parse_math()
@@ -57,7 +57,10 @@ def test_in_latex(text):
     assert "\\input{" not in source and not re.search(r"(?<!\\)\$x|100%", source)
 
 
-@pytest.mark.parametrize("text", ["a\x85b", "a\u2028b", "a\x9b31mb", "\ud800", "a\u202eb", "a\ufffe", "_hidden"])
+HIDDEN = ["a\x85b", "a\u2028b", "a\x9b31mb", "\ud800", "a\u202eb", "a\ufffe", "_hidden"]
+
+
+@pytest.mark.parametrize("text", [*HIDDEN, *[text for text in TITLES if set(text) & set("<{")]])
 def test_texts_that_cannot_be_shown_are_refused(text):
     environment = {"map": str(MAPS / "env1.txt"), "title": text}
     with pytest.raises(ConfigurationError, match=r"environments\.env1\.title") as refused:

@@ -123,7 +123,7 @@ def test_an_environment_and_a_method_are_in_every_table(grown: Project):
 def test_a_hyper_parameter_reaches_the_job_and_its_page(grown: Project):
     done = grown.ptl("inspect", "results/tiny/learning/hall/wanderer/seed_000.h5")
     assert "wander 0.75" in done.stdout
-    grown.ptl("config-docs")
+    grown.ptl("docs")
     assert "`learning.wander` | Exploration rate of the wanderer." in (grown.folder / "config/README.md").read_text()
     assert "number" in grown.snakemake("-n", "--config", "learning={wander: 2}").stderr
 

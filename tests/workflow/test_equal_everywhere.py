@@ -25,8 +25,8 @@ JOBS = {
 
 SCRIPT = """
 from ptl.files.csv import write_csv
-from ptl.report.figures import style
-from ptl.measures.growth import library_sizes
+from ptl.report.figures import saving, style
+from ptl.measures.run_files import library_sizes
 from ptl.measures.measures import measure_files, write_steps
 
 found = measure_files(["learned.h5"], 5, 1.5)
@@ -42,7 +42,7 @@ def draw():
     figure.subplots().plot(sizes["tasks"], sizes["library_size"])
     return figure
 
-style.save(draw(), sizes, "figure.png")
+saving.save(draw(), sizes, "figure.png")
 """
 """Measuring, collecting and drawing, as the scripts of the workflow do it."""
 

@@ -19,14 +19,14 @@ from pathlib import Path
 import psutil
 import pytest
 from damage import SEED, damages, rewrite
-from projects import TARGETS, Project
+from projects import ROOT, TARGETS, Project
 
-from ptl.cli.workflow import _at_work
 from ptl.errors import UserError
 from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
+from ptl.files.lock import LOCK
 from ptl.files.remedies import rebuild_command
 from ptl.files.verification import OneRun, checkable, faults_of
-from ptl.measures.growth import library_sizes
+from ptl.measures.run_files import library_sizes
 from ptl.measures.measures import measure_files
 from ptl.measures.statistics import read_per_seed
 
@@ -144,47 +144,37 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
     assert done.returncode == 0, done.stdout
 
 
-def test_lock_of_a_run_that_goes_on_is_spared_and_that_of_a_killed_one_is_not(tmp_path):
+def test_a_second_run_is_refused_while_the_first_goes_on_and_not_after_it_was_killed(tmp_path):
     project = Project(tmp_path / "busy")
-    locks = project.folder / ".snakemake/locks"
+    lock = project.folder / LOCK
     run = start(project, "learning")
     try:
         deadline = time.monotonic() + 60
-        while not list(locks.glob("*.lock")) and time.monotonic() < deadline:
+        while not (lock.exists() and lock.read_text()) and time.monotonic() < deadline:
             time.sleep(0.05)
         os.kill(run.pid, signal.SIGSTOP)  # so that it cannot end while we ask
-        done = project.ptl("workflow", "-j2", "learning")
-        assert done.returncode == 1 and "is running in this folder" in done.stderr and str(run.pid) in done.stderr
-        assert "Traceback" not in done.stderr and list(locks.glob("*.lock"))
+        for command in ((project.ptl, "workflow"), (project.snakemake,)):
+            done = command[0](*command[1:], "-j2", "learning")
+            assert done.returncode == 1 and "Traceback" not in done.stderr
+            assert f"error: snakemake is running in this folder (process {run.pid} on " in done.stderr
+        assert "learning" in project.snakemake("-n", "learning").stdout
     finally:
         os.killpg(run.pid, signal.SIGKILL)
         run.wait()
-    assert list(locks.glob("*.lock"))
-    # Of two starters after a kill one runs and the other is refused at once.
+    # Of two starters after a kill one runs and the other is refused.
     starters = [start(project, "learning") for _ in range(2)]
     assert sorted(starter.wait(120) for starter in starters) == [0, 1]
-    assert not list(locks.glob("*.lock"))
 
 
-def test_job_left_behind_by_a_killed_run_is_waited_for(tmp_path, monkeypatch):
-    """A job that is a script works under a Snakemake of its own, which is no second run."""
-    folder = tmp_path / "left"
-    (folder / ".snakemake/locks").mkdir(parents=True)
-    (folder / ".snakemake/locks/0.input.lock").touch()
-    monkeypatch.chdir(folder)
-    for (name, *arguments), kind in (
-        (("snakemake", "--target-jobs", "draw:"), "job"),
-        (("ptl", "learn"), "job"),
-        (("snakemake", "-j2"), "snakemake"),
-    ):
-        (tmp_path / name).write_text("import time; time.sleep(60)")
-        process = subprocess.Popen([sys.executable, tmp_path / name, *arguments], cwd=folder)
-        try:
-            assert _at_work(folder, {os.getuid()}) == {process.pid: kind}
-            assert _at_work(tmp_path, {os.getuid()}) == {}
-        finally:
-            process.kill()
-            process.wait()
+def test_jobs_left_behind_by_a_killed_run_are_waited_for(tmp_path):
+    hold = "from ptl.files.lock import hold_folder; hold_folder()"
+    leave = f"import os, subprocess; {hold}; subprocess.Popen(['sleep', '3'], stderr=subprocess.DEVNULL); os._exit(1)"
+    for code, says in ((leave, ""), (hold, "waiting for jobs of a killed run"), (hold, "")):
+        done = subprocess.run(
+            [sys.executable, "-c", code], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, text=True,
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+        )  # fmt: skip
+        assert (says in done.stderr) and bool(says) == bool(done.stderr)
 
 
 # -- damage -----------------------------------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import threading
 import pytest
 from projects import Project
 
-from ptl.cli._surroundings import environment
+from ptl.cli.workflow import environment
 from ptl.errors import UserError
 
 

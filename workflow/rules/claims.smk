@@ -54,7 +54,9 @@ rule judge_claims:
         jobs=packed(DECISION.values()),
         maps=map_digests(),
         environments=entries(),
-        code=code_digest("ptl.claims.decision", "ptl.report.ledger"),
+        code=code_digest(
+            "ptl.claims.decision", "ptl.claims.evidence_files", "ptl.report.ledger"
+        ),
     message:
         "Judging the claims of the article"
     script:

@@ -18,7 +18,6 @@ from ptl.files.regular import below, refuse_other, sha256
 from ptl.jobs import planned
 from ptl.measures.cost import FLAG, check_cost, cost_of
 from ptl.report.figures import left_out
-from ptl.report.snakemake_report import keep_texts
 from ptl.world.gridworld import load_map, map_digest
 
 
@@ -56,9 +55,6 @@ try:
     DECISION = decision_jobs(RUN, DIGESTS) if RUN.article else {}
 except UserError as error:
     refuse(error)
-
-if any(argument.startswith("--report") for argument in sys.argv):
-    keep_texts()
 
 # Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.

@@ -74,7 +74,7 @@ rule draw_figure:
             FOREIGN if FIGURES[wildcards.figure].with_foreign else {}
         ),
         code=lambda wildcards: code_digest(
-            "ptl.report.figures.style",
+            "ptl.report.figures.saving",
             f"ptl.report.figures.{FIGURES[wildcards.figure].module}",
             *method_modules(FIGURES[wildcards.figure].methods),
         ),

@@ -22,7 +22,7 @@ rule measure:
         seeds=config["seeds"],
         foreign=FOREIGN,
         foreign_digests=FOREIGN_DIGESTS,
-        code=code_digest("ptl.measures.measure_files", "ptl.files.foreign"),
+        code=code_digest("ptl.measures.run_files", "ptl.files.foreign"),
     message:
         "Measuring {config[run]}: jump start, asymptotic performance, threshold, totals, transfer ratio"
     script:
@@ -40,7 +40,7 @@ rule collect_growth:
         "../envs/ptl.yaml"
     params:
         jobs=packed(GROWTH.values()),
-        code=code_digest("ptl.measures.growth"),
+        code=code_digest("ptl.measures.run_files"),
     message:
         "Collecting the growth of the library"
     script:

@@ -1,7 +1,7 @@
 """Collect the size of the library after every task, from all lives of random tasks."""
 
 from ptl.files.csv import write_csv
-from ptl.measures.growth import library_sizes
+from ptl.measures.run_files import library_sizes
 from ptl.report.script import running
 
 with running(snakemake) as script:

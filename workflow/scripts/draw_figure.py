@@ -2,9 +2,9 @@
 
 from importlib import import_module
 
-from ptl.report.figures import style
+from ptl.report.figures import saving
 from ptl.report.script import running
 
 with running(snakemake) as script:
     module = import_module(f"ptl.report.figures.{snakemake.params.module}")
-    style.save(*module.make(script), script.output.png)
+    saving.save(*module.make(script), script.output.png)

@@ -2,7 +2,7 @@
 
 from ptl.claims import judge
 from ptl.claims.decision import evidence_of
-from ptl.claims.evidence import read_evidence
+from ptl.claims.evidence_files import read_evidence
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.report import ledger

@@ -5,8 +5,8 @@ import numpy as np
 from ptl.files.configuration import expected_of
 from ptl.files.csv import write_csv
 from ptl.files.foreign import read_foreign
-from ptl.measures.measure_files import measure_files, write_steps
 from ptl.measures.measures import Runs
+from ptl.measures.run_files import measure_files, write_steps
 from ptl.report.script import running
 
 with running(snakemake) as script:

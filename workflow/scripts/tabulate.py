@@ -4,7 +4,8 @@ from pathlib import Path
 
 from ptl.config import of_article
 from ptl.files.csv import write_csv
-from ptl.measures.statistics import Resampling, read_per_seed, summarise
+from ptl.measures.run_files import read_per_seed
+from ptl.measures.statistics import Resampling, summarise
 from ptl.report.metric_tables import build_tables, write_tables
 from ptl.report.script import running
 

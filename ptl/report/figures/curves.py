@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from ptl.measures.measure_files import Steps, read_steps
+from ptl.measures.measures import Steps
 from ptl.report.figures import style
 from ptl.report.figures.bands import mean_band
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the curves of the last task of each environment."""
+    from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
+
     methods = [*script.methods, *script.foreign]
     frame = curves(
         read_steps(script.input.steps), script.worlds, script.last_tasks, methods, script.groups.statistics
@@ -42,7 +44,7 @@ def curves(
     Parameters
     ----------
     steps : mapping
-        See `ptl.measures.measure_files.Steps`.
+        See `ptl.measures.run_files.Steps`.
     worlds : mapping of environment name to GridWorld
         Panels come in this order.
     tasks : mapping of environment name to goal letter

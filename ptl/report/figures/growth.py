@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from ptl.measures.growth import TwoSlopes, fit_two_slopes, read_sizes
+from ptl.measures.growth import TwoSlopes, fit_two_slopes
+from ptl.measures.run_files import read_sizes
 from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
-from ptl.measures.library_cost import read_selection, read_storage
+from ptl.measures.run_files import read_selection, read_storage
 from ptl.report.figures import style
 from ptl.text import number
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
-from ptl.measures.measure_files import Steps, read_steps
+from ptl.measures.measures import Steps
 from ptl.report.figures import style
 from ptl.text import number
 
@@ -37,6 +37,8 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     [(name, world)] = script.worlds.items()
     task, settings = script.last_tasks[name], script.groups.measures
     shortest = world.shortest_path_length(world.start, world.goal(task))
+    from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
+
     steps = read_steps(script.input.steps)
     frame = measures(steps, name, task, script.methods, shortest, settings.window, settings.threshold_factor)
     return draw(frame, f"{script.titles[name]}, task {task}"), frame

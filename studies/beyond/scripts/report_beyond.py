@@ -7,7 +7,7 @@ import pandas as pd
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.measures.statistics import Resampling
-from ptl.report.figures import style
+from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
 from studies.beyond import figures, page, summary
@@ -48,7 +48,7 @@ with running(snakemake) as script:
 
     def picture(name, figure, frame, alt, caption):
         """Save a figure; pages name it."""
-        style.save(figure, frame, folder / f"{name}.png")
+        saving.save(figure, frame, folder / f"{name}.png")
         pictures[name] = {"name": name, "alt": alt, "caption": caption}
 
     picture(

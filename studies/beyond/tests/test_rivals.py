@@ -13,7 +13,7 @@ from ptl.config import Parameters
 from ptl.files import store
 from ptl.jobs import Learn
 from ptl.learning.life import learn_life, tasks_of
-from ptl.learning.method_check import check_method
+from ptl.learning.trial import check_method
 from ptl.report.explorer.data import collect
 from ptl.world.gridworld import GridWorld, map_digest
 from ptl.world.transitions import TransitionGraph

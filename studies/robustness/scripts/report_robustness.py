@@ -7,7 +7,7 @@ from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.report import robustness as pages
 from ptl.report.figures import robustness as figure
-from ptl.report.figures import style
+from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import to_markdown, write
 from studies.robustness import summary
@@ -30,6 +30,6 @@ with running(snakemake) as script:
     targeted = pages.target_tables(targets, verdicts, unknowns)
     write_text(folder / "targeted.md", "\n".join(map(to_markdown, targeted)))
     frame = figure.heat_frame(verdicts)
-    style.save(figure.draw(frame, unknowns), frame, folder / "heat_map.png")
+    saving.save(figure.draw(frame, unknowns), frame, folder / "heat_map.png")
     for row in settings[settings["status"] != "complete"].itertuples():
         print(f"warning: setting {row.setting} did not finish: {row.status}", file=sys.stderr)

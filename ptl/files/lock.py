@@ -1,0 +1,92 @@
+"""One run at a time in a folder."""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import socket
+import sys
+import time
+from pathlib import Path
+
+from ptl.errors import UserError
+from ptl.files.atomic import remove_unfinished
+
+LOCK = Path(".snakemake/ptl.lock")
+"""Names the process that holds it."""
+
+PATIENCE = 600.0
+"""Seconds to wait for the jobs of a killed run to end."""
+
+
+def begin_run(*folders: str | os.PathLike[str]) -> None:
+    """Hold the current folder and remove what killed jobs left unfinished below ``folders``.
+
+    Raises
+    ------
+    SystemExit
+        With one line, if another run is going on here or the folder cannot be written.
+    """
+    try:
+        hold_folder()
+        remove_unfinished(*folders)
+    except UserError as error:
+        sys.exit(f"error: {error}")
+
+
+def hold_folder() -> None:
+    """Lock the current folder until this process and all its jobs have ended, however they end.
+
+    The operating system keeps the lock as long as a process has the locked file open. It becomes the standard input,
+    which jobs inherit, so that those of a killed run are waited for.
+
+    Raises
+    ------
+    UserError
+        If another run is going on here, or the folder cannot be written.
+    """
+    try:
+        LOCK.parent.mkdir(exist_ok=True)
+        file = os.open(LOCK, os.O_RDWR | os.O_CREAT, 0o666)
+    except OSError as error:
+        raise UserError(f"{LOCK}: cannot be written ({error.strerror}); make this folder writable") from error
+    deadline = time.monotonic() + PATIENCE
+    told = False
+    while not _locked(file):
+        number, _, host = os.pread(file, 300, 0).decode().partition(" on ")
+        if _lives(number, host):
+            raise UserError(
+                f"snakemake is running in this folder (process {number} on {host}); wait for it or end it first"
+            )
+        if time.monotonic() > deadline:
+            raise UserError(f"jobs of a killed run (process {number}) are still at work; end them first")
+        if not told:
+            print(f"waiting for jobs of a killed run (process {number}) to end", file=sys.stderr, flush=True)
+            told = True
+        time.sleep(0.2)
+    os.ftruncate(file, 0)
+    os.pwrite(file, f"{os.getpid()} on {socket.gethostname()}".encode(), 0)
+    os.dup2(file, 0)
+    if file:
+        os.close(file)
+
+
+def _locked(file: int) -> bool:
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _lives(number: str, host: str) -> bool:
+    """Return whether a process goes on, as far as can be known; that on another machine does."""
+    if host != socket.gethostname():
+        return bool(host)
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # of another user
+        pass
+    return True

@@ -1,0 +1,141 @@
+"""The files of a run: result files measured, and the tables made from them read back.
+
+What the measures are is in `ptl.measures.measures`, which reads and writes nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from ptl.errors import UserError
+from ptl.files.store import Result, read_arrays, write_arrays
+from ptl.files.tables import read_table
+from ptl.jobs.learn import TaskView, tasks_in
+from ptl.learning.discoveries import Found, found
+from ptl.measures.library_cost import SELECTION_COLUMNS, STORAGE_COLUMNS
+from ptl.measures.measures import PER_SEED_COLUMNS, SUBGOAL_COLUMNS, Measurements, Names, Runs, Steps, measure
+from ptl.world.gridworld import GridWorld
+
+
+def measure_files(
+    results: Iterable[Result], window: int, threshold_factor: float, foreign: Iterable[Runs] = ()
+) -> Measurements:
+    """Measure the learning files of a run, one at a time in memory.
+
+    Parameters
+    ----------
+    results : iterable of Result
+        Files of learning jobs. Environments and methods keep the order in which they first appear, and the seeds of a
+        method follow each other in ascending order.
+    window, threshold_factor
+        See `ptl.measures.measures.Curves`.
+    foreign : iterable of Runs
+        Runs of other programs on the same environments, tasks, seeds and episodes.
+
+    Raises
+    ------
+    UserError
+        If a file cannot be used, or the window is longer than a task.
+    """
+    worlds: dict[str, GridWorld] = {}
+    collected: dict[Names, list[tuple[int, np.ndarray, int, Found | None]]] = {}
+    for result in results:
+        job = result.job
+        worlds[job.environment] = result.world
+        keeps_library = "library/subgoals" in result.arrays
+        for letter, task in tasks_in(result).items():
+            row = job.seed, task.steps, int(np.count_nonzero(task.truncated)), _found(task) if keeps_library else None
+            collected.setdefault((job.environment, job.method, letter), []).append(row)
+    if not collected:
+        raise UserError("no learning file to measure; name at least one")
+    return measure([*(_together(*item) for item in collected.items()), *foreign], worlds, window, threshold_factor)
+
+
+def _found(task: TaskView) -> Found:
+    return found(task.subgoal, task.reason, task.novelty, task.incremental, task.original)
+
+
+def _together(names: Names, rows: list[tuple[int, np.ndarray, int, Found | None]]) -> Runs:
+    seeds, steps, truncated, subgoals = zip(*rows, strict=True)
+    kept = [row for row in subgoals if row is not None]
+    return Runs(
+        *names,
+        seeds=np.array(seeds),
+        steps=np.stack(steps),
+        truncated=np.array(truncated),
+        found=dict(zip(Found._fields, map(np.array, zip(*kept, strict=True)), strict=True)) if kept else None,
+    )
+
+
+def write_steps(path: str | Path, steps: Steps) -> None:
+    """Write the steps per episode: /<environment>/<method>/<task>."""
+    write_arrays(path, {"/".join(names): values for names, values in steps.items()}, {})
+
+
+def read_steps(path: str | Path) -> dict[Names, np.ndarray]:
+    """Read the file of `write_steps`.
+
+    Raises
+    ------
+    UserError
+        If it is missing or damaged.
+    """
+    arrays, _ = read_arrays(path)
+    return {
+        (environment, method, task): values
+        for name, values in arrays.items()
+        for environment, method, task in [name.split("/")]
+    }
+
+
+# -- tables -------------------------------------------------------------------------------------------------------
+
+GROWTH_COLUMNS = ("run", "tasks", "library_size")
+
+
+def library_sizes(results: Iterable[Result]) -> pd.DataFrame:
+    """Return the size of the library after every task of each growth file, columns `GROWTH_COLUMNS`."""
+    parts = []
+    for result in results:
+        sizes = result.arrays["library_size"]
+        parts.append(pd.DataFrame({"run": result.job.seed, "tasks": range(len(sizes)), "library_size": sizes}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def read_sizes(path: str | Path) -> np.ndarray:
+    """Read the table of `library_sizes` as float array (runs, tasks + 1); column t is the size after t tasks.
+
+    Raises
+    ------
+    UserError
+        When the file cannot be read or a run lacks a number of tasks that others have.
+    """
+    frame = read_table(path, GROWTH_COLUMNS)
+    sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
+    if not sizes.size == len(frame) > 0 or sizes.columns.tolist() != list(range(sizes.shape[1])):
+        raise UserError(f"{path}: runs with different numbers of tasks, or none; remove the table and run the workflow again")
+    return sizes.to_numpy(dtype=float)
+
+
+def read_per_seed(path: str | Path) -> pd.DataFrame:
+    """Read ``per_seed.csv``; errors as in `ptl.files.tables.read_table`."""
+    return read_table(path, PER_SEED_COLUMNS)
+
+
+def read_subgoals(path: str | Path) -> pd.DataFrame:
+    """Read ``subgoals.csv``; errors as in `ptl.files.tables.read_table`."""
+    return read_table(path, SUBGOAL_COLUMNS)
+
+
+def read_selection(path: str | Path) -> pd.DataFrame:
+    """Read the table of `ptl.measures.library_cost.selection_operations`; errors as in `ptl.files.tables.read_table`."""
+    return read_table(path, SELECTION_COLUMNS)
+
+
+def read_storage(path: str | Path) -> pd.DataFrame:
+    """Read the table of `ptl.measures.library_cost.library_bytes`; errors as in `ptl.files.tables.read_table`."""
+    return read_table(path, STORAGE_COLUMNS)
