@@ -40,10 +40,10 @@ def command(
 
     Maps, tasks and methods are checked before anything is written.
     """
-    from ptl.report.config_page import tables
     from ptl.deployment import new_study
     from ptl.errors import UserError
     from ptl.measures.measures import BASE
+    from ptl.report.config_page import tables
 
     for option, given, needed in (
         ("--population", population, not maps), ("--map", maps, not population),

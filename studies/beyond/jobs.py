@@ -34,7 +34,9 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
     family: Annotated[Word, Meta(description="family of the maps")]
     size: Annotated[Number, Meta(description="wanted number of states of generated maps, 0 for a given map")]
     sequence: Annotated[Word, Meta(description="order in which the goals come")]
-    tasks: Annotated[str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")]
+    tasks: Annotated[
+        str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")
+    ]
     seeds: Annotated[Positive, Meta(description="lives on each map")]
     method: Annotated[Word, Meta(description="identifier of the method")]
     reference: Annotated[str, Meta(description="where the method is, see `ptl.methods`")]

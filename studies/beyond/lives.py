@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -64,9 +64,7 @@ def lives_on_maps(
     for place, world in worlds:
         tasks = tasks_of(world, letters)
         names = (*stream_names, place)
-        lives = [
-            learn_life(world, tasks, kind, parameters, root_seed, *names, seed).records for seed in range(seeds)
-        ]
+        lives = [learn_life(world, tasks, kind, parameters, root_seed, *names, seed).records for seed in range(seeds)]
         rows.append(
             {
                 "steps": [[record.steps.sum() for record in life] for life in lives],
@@ -81,6 +79,6 @@ def lives_on_maps(
     return _stacked(rows)
 
 
-def _stacked(rows: list[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+def _stacked(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
     types = {name: np.float64 if name == "winding" else np.int64 for name in rows[0]}
     return {name: np.array([row[name] for row in rows], dtype=kind) for name, kind in types.items()}

@@ -1,4 +1,4 @@
-"""New folders in which the second study runs on methods of one's own; `ptl new-study --population` finds this module."""
+"""New folders in which the second study runs on methods of one's own, for `ptl new-study --population`."""
 
 from __future__ import annotations
 

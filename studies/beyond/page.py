@@ -399,10 +399,10 @@ def method_lines(study: SecondStudy) -> list[str]:
         f"Intervals ({level}) are percentiles of a hierarchical bootstrap with {resamples} resamples: maps, then lives"
         " on each map; all methods on the same maps. For a map of the article only lives are drawn, so its intervals"
         " say nothing about other maps. They are not corrected for the number of comparisons.",
-        "Maps, their seeds and hashes are in studies/beyond/config/population.csv. What was tuned was tuned on the tuning"
-        " band, which has no map in common with the test band; studies/beyond/README.md says what was tried.",
-        "Every method is a file in ptl/methods/ or studies/beyond/methods/, with its source. Hyper-parameters are those of"
-        " the reproduction, tuned for none of the methods.",
+        "Maps, their seeds and hashes are in studies/beyond/config/population.csv. What was tuned was tuned on the"
+        " tuning band, which has no map in common with the test band; studies/beyond/README.md says what was tried.",
+        "Every method is a file in ptl/methods/ or studies/beyond/methods/, with its source. Hyper-parameters are those"
+        " of the reproduction, tuned for none of the methods.",
         "Limits: deterministic grid worlds, tables instead of function approximation, one start a map. A method that"
         " keeps a model of all transitions fits such worlds better than a robot’s; noise would cost it more than the"
         " others.",

@@ -84,7 +84,14 @@ def describe(band: str, family: str, size: int, seed: int) -> MapEntry:
     goals = list(world.goals.values())
     paths = world.distances_to(world.start)[goals]
     return MapEntry(
-        band, family, size, seed, world.n_states, tuple(paths.tolist()), round(winding(world), 4), map_digest(world.text)
+        band,
+        family,
+        size,
+        seed,
+        world.n_states,
+        tuple(paths.tolist()),
+        round(winding(world), 4),
+        map_digest(world.text),
     )
 
 

@@ -8,7 +8,7 @@ from ptl.files.manifest import build, to_json
 from ptl.report.script import running
 
 with running(snakemake) as script:
-    params = snakemake.params
-    manifest = build(map(Path, script.input), Path(params.folder), params.asked["config"], params.asked["maps"])
-    write_text(script.output.manifest, to_json(manifest))
+    params, path = snakemake.params, Path(script.output.manifest)
+    manifest = build(map(Path, script.input), path.parent, params.asked["config"], params.asked["maps"])
+    write_text(path, to_json(manifest))
     write_made(script.output.made, params.asked, params.codes, script.jobs, manifest.products)

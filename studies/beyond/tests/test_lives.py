@@ -238,20 +238,20 @@ def test_lives_of_a_job_are_those_that_the_library_learns(tmp_path):
     parameters = Parameters().replace(learning__episodes=5)
     entry = next(e for e in read_population() if (e.family, e.seed) == ("rooms", 4001))
     env2, arena = (given.world for given in given_maps(study).values())
-    for world, letters, names, size in (
+    for world, letters, stream, size in (
         (entry.world(), "ABCDEF", ("rooms", 300, "increasing", 4001), 300),
         (env2, "AB", ("env2", 0, "article", "env2"), env2.n_states),
         (arena, "ABCDEF", ("moving_ai", 0, "increasing", "arena"), 18),
     ):
-        life = learn_life(world, tasks_of(world, letters), "ptl", parameters, study.root_seed, *names, 1)
-        chosen = (tasks["family"] == names[0]) & (tasks["map"] == str(names[3])) & (tasks["method"] == "ptl")
+        life = learn_life(world, tasks_of(world, letters), "ptl", parameters, study.root_seed, *stream, 1)
+        chosen = (tasks["family"] == stream[0]) & (tasks["map"] == str(stream[3])) & (tasks["method"] == "ptl")
         own = tasks[chosen & (tasks["seed"] == 1)]
         assert own["steps"].tolist() == [record.steps.sum() for record in life.records]
         assert own["first_episode"].tolist() == [record.steps[0] for record in life.records]
         assert own["library_size"].iloc[-1] == len(life.library)
         shortest = [world.shortest_path_length(world.start, world.goal(letter)) for letter in letters]
         assert own["optimum"].tolist() == [5 * length for length in shortest]
-        assert set(own["size"]) == {size} and set(own["sequence"]) == {names[2]}
+        assert set(own["size"]) == {size} and set(own["sequence"]) == {stream[2]}
     lives = per_life(tasks)
     assert len(lives) == 3 * (2 * 2 + 2 + 2)
     assert (lives["total_steps"] >= lives["optimum"]).all()

@@ -15,7 +15,9 @@ from studies.beyond.design import SecondStudy
 
 HOW = Resampling(0.95, 200)
 FAMILIES = ("chain", "maze")
-STUDY = SecondStudy.read({"methods": ["no_transfer", "ptl", "ptl_goal", "ptl_frontier", "frontier_only", "rmax_memory"]})
+STUDY = SecondStudy.read(
+    {"methods": ["no_transfer", "ptl", "ptl_goal", "ptl_frontier", "frontier_only", "rmax_memory"]}
+)
 
 
 def lives(**ratios: float | tuple[float, float]) -> pd.DataFrame:

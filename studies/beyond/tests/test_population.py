@@ -57,7 +57,7 @@ def test_the_table_is_read_back(tmp_path):
     path.write_text(to_csv(iter(TABLE[:3])))
     assert read_population(path) == TABLE[:3]
     path.write_text("band,family\n1,2\n")
-    with pytest.raises(UserError, match="python -m studies.beyond.population"):
+    with pytest.raises(UserError, match=r"python -m studies\.beyond\.population"):
         read_population(path)
 
 

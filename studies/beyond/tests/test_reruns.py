@@ -95,7 +95,10 @@ def test_another_configuration_remakes_everything_though_the_state_is_lost(side)
     side.forget()
     assert side.waiting() == {"learn_lives": 9, "learn": 1, "explore_lives": 1, **ALL}
     side.make()
-    assert {name for name, content in side.made().items() if content == before.get(name)} == set()
+    same = {name for name, content in side.made().items() if content == before[name]}
+    assert not {name for name in same if name.endswith(".h5")} | same & {
+        f"reports/small/{name}" for name in ("per_life.csv", "costs.csv", "explorer.html", "manifest.json")
+    }
 
 
 def test_products_of_another_configuration_are_remade_though_the_state_is_lost(side):
@@ -125,9 +128,7 @@ def test_maps_replaced_by_older_files_are_learned_anew(side):
     side.put("rooms.txt", rooms.read_text().replace("#..B#", "#.B.#"))
     assert side.waiting()["learn_lives"] == 3
     side.put("arena.map", ARENA.replace("@.@", "@@@"))
-    assert side.waiting() == {"learn_lives": 6, "write_map": 1, "explore_lives": 1, **ALL} or side.waiting() == {
-        "learn_lives": 6, "write_map": 1, **ALL
-    }  # fmt: skip
+    assert side.waiting() == {"learn_lives": 6, "write_map": 1, "explore_lives": 1, **ALL}
     side.make()
     assert side.waiting() == {}
 
@@ -169,7 +170,7 @@ def test_older_lives_of_other_programs_are_read_anew(side):
 
 def test_a_wrong_configuration_ends_in_one_line(side):
     for changes, message in (
-        ({"methods": ["fly"]}, "unknown method 'fly'"), ({"maps": 101}, "maps: 101 is not allowed"),
+        ({"methods": ["ptl", "fly"]}, "unknown method 'fly'"), ({"maps": 101}, "maps: 101 is not allowed"),
         ({"foreign_lives": ["none.csv"]}, "none.csv: cannot be read"), ({"moving_ai": ["none.map"]}, "none.map"),
     ):  # fmt: skip
         side.configure(**changes)

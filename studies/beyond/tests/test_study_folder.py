@@ -28,9 +28,7 @@ def run(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str
 def theirs(path: Path, maps: int, **changes: object) -> Path:
     """Write lives of another program at twice the optimum of 5 episodes."""
     entries = [
-        entry
-        for entry in read_population()
-        if (entry.band, entry.size) == ("test", 300) and entry.seed < 4000 + maps
+        entry for entry in read_population() if (entry.band, entry.size) == ("test", 300) and entry.seed < 4000 + maps
     ]
     optima = [5 * sum(entry.shortest_paths[1:]) for entry in entries]
     rows = [
