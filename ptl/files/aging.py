@@ -25,7 +25,7 @@ MADE = "made.json"
 """File in results/<run>/ that says what the products of the run were made from."""
 
 OLD = 1
-"""Seconds since 1970; Snakemake takes 0 for no time at all."""
+"""Time of files that are to be made again; Snakemake ignores a time of 0."""
 
 MEMORY = Path(".snakemake/metadata")
 """Where Snakemake remembers parameters, code and inputs, a file for each output."""
@@ -94,7 +94,7 @@ def _made(results: Path) -> dict[str, Any]:
 
 
 def _age(path: Path) -> None:
-    """Make a file old, and remove what Snakemake remembers of the job that made it."""
+    """Give a file the time `OLD`, and remove what Snakemake remembers of the job that made it."""
     with suppress(OSError):
         os.utime(path, (OLD, OLD))
         (MEMORY / urlsafe_b64encode(path.as_posix().encode()).decode()).unlink(missing_ok=True)

@@ -44,7 +44,7 @@ def changed(**values: object) -> str:
         ("run", "--output", "x.h5", "--job", JOB), ("run", "--output", "", *RUN[3:], JOB),
         *((*RUN, JOB, "--map", odd) for odd in ("env3=none", "env3=pipe", "env3.txt", "=", "")),
         (*LEARN, "--parameters", DEEP), (*LEARN, "--method-parameters", DEEP),
-        ("population", "--maps", "folder", "none"), ("population", "--maps", "folder", "pipe"), ("show-map", "{"),
+        ("show-map", "{"),
         ("inspect", "[0-99999999999]"), ("verify", "[0-99999999999]"), ("metrics", "{"),
         ("new-study", "new", "--map", "env3.txt", "--seeds", HUGE),
         ("new-study", "new", "--map", "env3.txt", "--tasks", "{"),
