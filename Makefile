@@ -8,7 +8,6 @@ SANITIZED = build/sanitizers
 SANITIZE = -fsanitize=address,undefined
 CALLS = 5000
 SNAKEFILES = Snakefile
-BEYOND = $(SNAKEMAKE) --snakefile workflow/beyond.smk
 
 # The steps that make .venv, each with its stamp, whose name has the checksum of the files that the step is made from.
 stamp = .venv/$1-$(firstword $(shell cat $2 | cksum))
@@ -22,7 +21,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report beyond beyond-smoke beyond-1000 beyond-3000 benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
+.PHONY: help reproduce smoke report benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,19 +41,6 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
-
-beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
-	$(BEYOND)
-	@echo "Open reports/beyond/index.html in a browser."
-	@.venv/bin/ptl verify reports/beyond --against published --exit-zero
-
-beyond-smoke: build  ## The second study on a small configuration, in two minutes.
-	$(BEYOND) --configfile config/beyond.yaml config/beyond_smoke.yaml
-	@echo "Open reports/beyond_smoke/index.html in a browser."
-
-beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 3000 states (hours).
-	$(BEYOND) --configfile config/beyond.yaml config/$(subst -,_,$@).yaml
-	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
 
 # The learners are tested first, because only here all of them are installed.
 benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
@@ -98,15 +84,14 @@ lint: test-tools build  ## Style and consistency of code and workflow.
 	.venv/bin/ruff check .
 	.venv/bin/ruff format --check .
 	.venv/bin/mypy
-	.venv/bin/snakefmt --check workflow $(SNAKEFILES) ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt --check Snakefile workflow ptl/skeleton studies
 	.venv/bin/lint-imports
 	for file in $(SNAKEFILES); do .venv/bin/snakemake --lint --snakefile $$file || exit 1; done
-	.venv/bin/snakemake --lint --snakefile workflow/beyond.smk
 
 format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff check --fix .
 	.venv/bin/ruff format .
-	.venv/bin/snakefmt workflow $(SNAKEFILES) ptl/skeleton ptl/skeleton_beyond
+	.venv/bin/snakefmt Snakefile workflow ptl/skeleton studies
 
 docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
 	.venv/bin/ptl docs

@@ -14,7 +14,7 @@ from benchmarks import jobs, pages, scaling, speed, surveys
 from benchmarks.learners import Task
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
-from ptl.report.figures import style
+from ptl.report.figures import saving
 from ptl.world.gridworld import load_map
 
 PEERS = {"gymnasium": "gymnasium", "jax": "jax", "mdp": "mdplib", "numba": "numba"}
@@ -54,7 +54,7 @@ def main(arguments: list[str] | None = None) -> None:
     options.output.mkdir(parents=True, exist_ok=True)
     write_text(options.output / "benchmark.md", pages.benchmark_page(computer, summary, place, letter))
     write_csv(pages.benchmark_csv(computer, summary), options.output / "benchmark.csv")
-    style.save(scaling.draw(growth), growth, options.output / "scaling.png")
+    saving.save(scaling.draw(growth), growth, options.output / "scaling.png")
     write_text(options.output / "scaling.md", pages.scaling_page(computer, growth))
 
 

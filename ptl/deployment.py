@@ -120,7 +120,7 @@ def method_files(references: Iterable[str]) -> dict[Path, Path]:
     here = Path.cwd()
     kept: dict[Path, Path] = {}
     for reference in references:
-        if reference in methods.names() or reference.startswith("ptl."):
+        if reference in methods.names() or reference.startswith(("ptl.", "studies.")):
             continue
         root, paths = local_sources(reference)
         for path in paths:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
+from lives import job, write_life
 from mazes import chain_of_rooms
 
+from ptl.agent.skills import Skill
 from ptl.config import Parameters
-from ptl.files.results import write_learning
-from ptl.learning.life import Life, learn_life, tasks_of
+from ptl.files import store
+from ptl.jobs.learn import Learn, TaskView, skills_of, tasks_in
 from ptl.world.gridworld import GridWorld
 
 METHODS = ("no_transfer", "full_transfer", "policy_reuse", "ptl", "ptl_supervised")
@@ -18,35 +22,34 @@ MAPS = {
     "chain": chain_of_rooms(5, size=5, goals="ABC"),
     "flat": "########\n#I.#..A#\n#..#...#\n#......#\n#..#####\n#.....B#\n########\n",
 }
+WORLDS = {name: GridWorld.from_text(text, name) for name, text in MAPS.items()}
 TASKS = {"chain": "CAB", "flat": "AB"}
 TITLES = {"chain": "Chain of rooms", "flat": "Flat </script><b>&amp;"}
 
-
-def origin(environment: str, method: str, seed: int, parameters: Parameters = PARAMETERS) -> dict:
-    return {
-        "environment": environment,
-        "method": method,
-        "seed": seed,
-        "root_seed": 5,
-        "parameters": parameters.to_dict(),
-        "code": "0" * 16,
-    }
-
-
-def learn(environment: str, method: str, seed: int, parameters: Parameters = PARAMETERS) -> tuple[Life, GridWorld]:
-    world = GridWorld.from_text(MAPS[environment], environment)
-    tasks = tasks_of(world, TASKS[environment])
-    return learn_life(world, tasks, method, parameters, 5, environment, seed), world
+chain_job = partial(job, world=WORLDS["chain"], tasks=TASKS["chain"], parameters=PARAMETERS)
+"""The job of a method and a seed on the chain of rooms."""
 
 
 def write_runs(folder: Path) -> list[Path]:
     """Learn and write everything; the paths in the order environments, methods, seeds."""
-    paths = []
-    for environment in MAPS:
-        for method in METHODS:
-            for seed in SEEDS:
-                path = folder / environment / method / f"seed_{seed:03d}.h5"
-                life, world = learn(environment, method, seed)
-                write_learning(path, life, world, origin(environment, method, seed))
-                paths.append(path)
-    return paths
+    return [
+        write_life(folder, method, seed, world=world, tasks=TASKS[name], parameters=PARAMETERS)
+        for name, world in WORLDS.items()
+        for method in METHODS
+        for seed in SEEDS
+    ]
+
+
+class Stored(NamedTuple):
+    """What a learning file holds."""
+
+    job: Learn
+    world: GridWorld
+    tasks: dict[str, TaskView]
+    library: list[Skill] | None
+
+
+def opened(path: Path) -> Stored:
+    """Read a learning file."""
+    result = store.read(path)
+    return Stored(result.job, result.world, tasks_in(result), skills_of(result.arrays))

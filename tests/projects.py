@@ -100,7 +100,7 @@ class Project:
 
     def waiting(self, *arguments: str | Path) -> dict[str, int]:
         """Number of jobs of each rule that would run."""
-        return job_counts(self.make("-n", "--quiet", "reason", *arguments))
+        return job_counts(self.make(*arguments, "-n", "--quiet", "reason"))
 
     def files(self, *folders: str) -> dict[str, bytes]:
         """Content of all files below some folders, by path."""

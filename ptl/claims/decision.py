@@ -17,7 +17,8 @@ from ptl.files.store import Result
 from ptl.jobs.lives import Libraries, Lives
 from ptl.jobs.planned import Digests, groups_of
 from ptl.learning.growth import METHOD
-from ptl.measures.measures import BASE, measure, runs_of
+from ptl.measures.measures import BASE, Runs, measure, runs_of
+from ptl.world.gridworld import GridWorld
 
 
 def decision_jobs(run: Configuration, maps: Digests) -> dict[str, Lives | Libraries]:
@@ -67,7 +68,9 @@ def evidence_of(results: Iterable[Result], groups: Any, **tables: Any) -> Eviden
     tables
         As in `ptl.claims.evidence.Evidence`.
     """
-    runs, worlds, growth = [], {}, None
+    runs: list[Runs] = []
+    worlds: dict[str, GridWorld] = {}
+    growth = None
     for result in results:
         job = result.job
         worlds |= result.worlds

@@ -19,8 +19,8 @@ import click
 @click.option("--method", "methods", multiple=True,
               help="Method to compare: a built-in name, a file that ends in .py (it is copied), or"
                    " package.module:Class; repeat it for several. By default all built-in methods.")  # fmt: skip
-@click.option("--population", type=click.Choice(["tuning", "test"]),
-              help="Instead of maps of your own, those of the second study in this band.")  # fmt: skip
+@click.option("--population", metavar="BAND",
+              help="Instead of maps of your own, those of the second study: tuning or test.")  # fmt: skip
 @click.option("--maps-per-family", type=click.IntRange(1), help="With --population: the first maps of each family.")
 @click.option("--lives", multiple=True, type=click.Path(path_type=Path),
               help="With --population: CSV file like reports/beyond/per_life.csv: methods that need not be run;"
@@ -40,10 +40,10 @@ def command(
 
     Maps, tasks and methods are checked before anything is written.
     """
-    from ptl.report.config_page import tables
     from ptl.deployment import new_study
     from ptl.errors import UserError
     from ptl.measures.measures import BASE
+    from ptl.report.config_page import tables
 
     for option, given, needed in (
         ("--population", population, not maps), ("--map", maps, not population),
@@ -53,9 +53,12 @@ def command(
         if given and not needed:
             raise UserError(f"{option}: give either --map, or --population with --maps-per-family and --lives")
     if population:
-        from ptl.deployment_beyond import new_population_study
+        from ptl.jobs.kinds import modules_of_studies
 
-        config = new_population_study(
+        makers = modules_of_studies("new_study")
+        if not makers:
+            raise UserError("--population: there is no study of a population of maps here; give --map")
+        config = makers[0].new_population_study(
             folder, population, maps=maps_per_family, seeds=seeds, episodes=episodes, chosen=methods, lives=lives
         )
         click.echo(f"methods to run: {', '.join(config['methods']) or 'none'}")

@@ -3,8 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
+
+
+class _Given(dict[str, Any]):
+    """The maps that are given; the first one that a job misses is named."""
+
+    def __missing__(self, environment: str) -> Any:
+        from ptl.errors import UserError
+
+        raise UserError(f"--map: {environment}: is missing; give {environment}=FILE")
 
 
 @click.command()
@@ -20,7 +30,7 @@ def command(text: str, maps: tuple[str, ...], output: Path) -> None:
     from ptl.world.gridworld import load_map, map_digest
 
     job = job_from(text)
-    worlds = {name: load_map(path) for name, _, path in (given.partition("=") for given in maps)}
+    worlds = _Given((name, load_map(path)) for name, _, path in (given.partition("=") for given in maps))
     for name, digest in job.maps.items():
         if name in worlds and map_digest(worlds[name].text) != digest:
             raise UserError(f"--map: {name}: is not the map of the job; it was changed during the run, so run it again")

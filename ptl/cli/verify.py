@@ -89,12 +89,21 @@ def _check_result(path: Path, any_code: bool) -> bool:
         folder, jobs = planned
         wanted = jobs.get(path.absolute().relative_to(folder).as_posix())
     job = read(path, None if any_code else wanted).job
-    top = job.place.split("/")[0]
-    if top in path.absolute().parts and not path.absolute().as_posix().endswith(f"/{job.place}"):
+    _, found, place = path.absolute().as_posix().rpartition("/results/")
+    if found and place.partition("/")[2] != job.place:
         raise UserError(f"{path}: is the file {job.place} of a run; {AGAIN}")
-    if not any_code and job.sources() not in {None, job.code}:
+    if not any_code and _present_code(path, job) not in {None, job.code}:
         raise UserError(f"{path}: was made with another version of the code; {AGAIN}")
     return planned is None or wanted is not None
+
+
+def _present_code(path: Path, job: Job) -> str | None:
+    from ptl.errors import UserError
+
+    try:
+        return job.sources()
+    except UserError as error:
+        raise UserError(f"{path}: its code cannot be compared with the present one: {error}") from error
 
 
 def _planned_for(path: Path) -> tuple[Path, Mapping[str, Job]] | None:

@@ -2,7 +2,7 @@
 
 Snakemake decides by times and by what it remembers. Both can be lost: folders are copied, `.snakemake` is removed,
 clocks are wrong. A result says which job made it, and `made.json` in the folder of results which products belong to
-it; what does not fit gets the time `AGED` and counts as older than everything that it is made from.
+it; what does not fit gets the time `OLD` and counts as older than everything that it is made from.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from ptl.files.store import digest_in
 MADE = "made.json"
 """File in results/<run>/ that says what the products of the run were made from."""
 
+OLD = 1
+"""Time of files that are to be made again; Snakemake ignores a time of 0."""
+
 MEMORY = Path(".snakemake/metadata")
 """Where Snakemake remembers parameters, code and inputs, a file for each output."""
-
-AGED = 1
-"""Time of such files in seconds since 1970; Snakemake takes a time of 0 for no file."""
 
 
 def age_results(folder: Path, jobs: Iterable[Job]) -> None:
@@ -39,7 +39,7 @@ def age_results(folder: Path, jobs: Iterable[Job]) -> None:
             continue
         if found != job.digest:
             _age(path)
-        elif path.stat().st_mtime == AGED:  # another configuration was tried in between
+        elif path.stat().st_mtime == OLD:  # another configuration was tried in between
             path.touch()
 
 
@@ -94,7 +94,7 @@ def _made(results: Path) -> dict[str, Any]:
 
 
 def _age(path: Path) -> None:
-    """Give a file the time `AGED`, and remove what Snakemake remembers of the job that made it."""
+    """Give a file the time `OLD`, and remove what Snakemake remembers of the job that made it."""
     with suppress(OSError):
-        os.utime(path, (AGED, AGED))
+        os.utime(path, (OLD, OLD))
         (MEMORY / urlsafe_b64encode(path.as_posix().encode()).decode()).unlink(missing_ok=True)

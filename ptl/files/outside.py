@@ -101,9 +101,11 @@ def local_sources(reference: str) -> tuple[Path, list[Path]]:
     Raises
     ------
     UserError
-        If a file cannot be parsed.
+        If there is no such file, or a file cannot be parsed.
     """
     first = methods.source_file(reference).resolve()
+    if not first.is_file():
+        raise UserError(f"method {reference}: no such file; check the path")
     levels, module = 0, ""
     if not reference.endswith(".py"):
         module = methods.load(reference).__module__

@@ -24,7 +24,8 @@ FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.pag
 """Folders whose files a module reads; they count as its sources."""
 
 IMPORT = re.compile(
-    r"^[ \t]*(?:from ((?:ptl|studies)(?:\.\w+)*) import (\([^)]*\)|.*)|import ((?:ptl|studies)(?:\.\w+)*))", re.MULTILINE
+    r"^[ \t]*(?:from ((?:ptl|studies)(?:\.\w+)*) import (\([^)]*\)|.*)|import ((?:ptl|studies)(?:\.\w+)*))",
+    re.MULTILINE,
 )
 """Our imports, of which there are two forms. Every job looks for them, and parsing takes ten times as long."""
 

@@ -37,11 +37,11 @@ MAX_BYTES = 2**31
 SEAL = re.compile(rb"\njob ([0-9a-f]{16}), sha256 of all bytes before this line ([0-9a-f]{64})\n")
 SEAL_BYTES = len(b"\njob , sha256 of all bytes before this line \n") + 16 + 64
 
-AGAIN = "remove it and run the same command again"
+AGAIN = "remove it and run the same command again ('ptl verify --remove results' removes all such files)"
 """Remedy for a file that cannot be used."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Result:
     """A result file in memory.
 

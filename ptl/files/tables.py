@@ -12,24 +12,26 @@ from ptl.errors import UserError
 from ptl.files.csv import read_csv
 from ptl.keys import shortened
 
-NAMES = ("environment", "task", "method", "metric", "family", "map", "sequence")
+NAMES = ("environment", "task", "method", "metric")
 """Columns whose values are text, whatever they look like."""
 
 
-def read_table(path: str | Path, columns: Iterable[str]) -> pd.DataFrame:
+def read_table(path: str | Path, columns: Iterable[str], texts: Iterable[str] = ()) -> pd.DataFrame:
     """Read a CSV table; only empty cells are missing values.
 
     Parameters
     ----------
     columns : iterable of str
         Columns that it must have.
+    texts : iterable of str
+        Columns whose values are text, beside `NAMES`.
 
     Raises
     ------
     UserError
         When the file cannot be read or lacks one of the columns.
     """
-    frame = read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=[""])
+    frame = read_csv(path, dtype=dict.fromkeys((*NAMES, *texts), str), keep_default_na=False, na_values=[""])
     for column in columns:
         if column not in frame:
             raise UserError(f"{path}: no column {column!r}; remove the table and run the workflow again")

@@ -45,9 +45,7 @@ class Grow(Job, frozen=True, kw_only=True, tag="growth/2"):
     def run(self, worlds: Worlds, watch: Watch = iter) -> dict[str, np.ndarray]:
         """Learn the tasks with a library that starts empty."""
         world = worlds[self.environment]
-        life = grow_library(
-            world, self.tasks, self.settings, self.root_seed, self.environment, self.seed, watch=watch
-        )
+        life = grow_library(world, self.tasks, self.settings, self.root_seed, self.environment, self.seed, watch=watch)
         assert life.library is not None
         records = life.records
         added = [record.update.subgoal >= 0 for record in records]

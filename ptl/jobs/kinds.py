@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from types import ModuleType
 
 import msgspec
 
@@ -33,5 +34,10 @@ def unpacked(text: str) -> list[Job]:
 
 def register_studies() -> None:
     """Make the kinds of jobs of all studies known."""
-    for path in sorted((ROOT / "studies").glob("*/jobs.py")):
-        import_module(f"studies.{path.parent.name}.jobs")
+    modules_of_studies("jobs")
+
+
+def modules_of_studies(name: str) -> list[ModuleType]:
+    """Import the module of this name of each study that has one."""
+    paths = sorted((ROOT / "studies").glob(f"*/{name}.py"))
+    return [import_module(f"studies.{path.parent.name}.{name}") for path in paths]

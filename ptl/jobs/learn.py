@@ -20,7 +20,9 @@ from ptl.world.gridworld import GridWorld
 
 LIBRARY = {
     "library/subgoals": Array("int32", ("k",), "state that each skill leads to", 0, "n-1", True),
-    "library/policies": Array("int8", ("k", "n"), "action of each skill in each state, −1 where undefined", -1, 3, True),
+    "library/policies": Array(
+        "int8", ("k", "n"), "action of each skill in each state, −1 where undefined", -1, 3, True
+    ),
     "library/learned_after": Array("int32", ("k",), "index of the task after which it was added", 0, None, True),
 }
 """The library after the last task, k skills; only of methods that keep one."""
@@ -31,7 +33,9 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
     """One learner's life: all tasks in order."""
 
     environment: Annotated[Word, Meta(description="name of the environment")]
-    tasks: Annotated[str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")]
+    tasks: Annotated[
+        str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")
+    ]
     method: Annotated[Word, Meta(description="identifier of the method")]
     reference: Annotated[str, Meta(description="the method as the configuration names it")]
     own: Annotated[dict[str, Any], Meta(description="parameters of the method's own")] = {}
@@ -47,7 +51,9 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         "tasks/<task>/steps": Array("int64", ("e",), "steps of each episode, guided ones included", 0),
         "tasks/<task>/truncated": Array("bool", ("e",), "whether the episode ran into the step limit"),
         "tasks/<task>/selected": Array("int32", ("m",), "skills or arms drawn, episode after episode", 0),
-        "tasks/<task>/selected_offsets": Array("int64", ("e+1",), "limits of each episode's draws in `selected`", 0, "m"),
+        "tasks/<task>/selected_offsets": Array(
+            "int64", ("e+1",), "limits of each episode's draws in `selected`", 0, "m"
+        ),
         "tasks/<task>/original": Array("float64", ("n",), "original metric, frequency times distance", 0, 1),
         "tasks/<task>/incremental": Array("float64", ("n",), "the same on the unknown rests of the paths", 0, 1),
         "tasks/<task>/subgoal": Array("int64", (), "state of the skill added after the task, −1 if none", -1, "n-1"),
@@ -73,7 +79,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         tasks = watch(tasks_of(world, self.tasks))
         with methods.blamed(self.reference):
             life = learn_life(world, tasks, kind, self.settings, self.root_seed, self.environment, self.seed)
-        arrays = {}
+        arrays: dict[str, np.ndarray] = {}
         for record in life.records:
             arrays |= {f"tasks/{record.task.name}/{name}": values for name, values in _task_arrays(record).items()}
         return arrays | library_arrays(life.library, world.n_states)
@@ -192,17 +198,17 @@ def tasks_in(result: Result) -> dict[str, TaskView]:
     """Return the tasks of a learning file by letter, in the order in which they were learned."""
     found = {}
     for letter in result.job.tasks:
-        values = [result.arrays[f"tasks/{letter}/{name}"] for name in TaskView._fields[1:]]
-        plain = [value.item() if value.ndim == 0 else value for value in values]
-        found[letter] = TaskView(letter, *(part.decode() if isinstance(part, bytes) else part for part in plain))
+        values: list[Any] = [result.arrays[f"tasks/{letter}/{name}"] for name in TaskView._fields[1:]]
+        plain: list[Any] = [value.item() if value.ndim == 0 else value for value in values]
+        found[letter] = TaskView._make([letter, *(part.decode() if isinstance(part, bytes) else part for part in plain)])
     return found
 
 
 def _task_arrays(record: TaskRecord) -> dict[str, np.ndarray]:
     discovery, update = record.discovery, record.update
     return {
-        "start": np.int64(record.task.start),
-        "goal": np.int64(record.task.goal),
+        "start": np.array(record.task.start),
+        "goal": np.array(record.task.goal),
         "q": record.q,
         "seen": record.seen,
         "steps": record.steps,
@@ -211,8 +217,8 @@ def _task_arrays(record: TaskRecord) -> dict[str, np.ndarray]:
         "selected_offsets": np.cumsum([0] + [len(used) for used in record.selected], dtype=np.int64),
         "original": discovery.original.product,
         "incremental": discovery.incremental.product,
-        "subgoal": np.int64(update.subgoal),
-        "reason": np.bytes_(update.reason.encode()),
-        "novelty": np.float64(discovery.novelty),
-        "diameter": np.int64(discovery.diameter),
+        "subgoal": np.array(update.subgoal),
+        "reason": np.array(update.reason.encode()),
+        "novelty": np.array(discovery.novelty, dtype=np.float64),
+        "diameter": np.array(discovery.diameter),
     }

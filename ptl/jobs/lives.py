@@ -42,7 +42,9 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
 
     name: Annotated[Word, Meta(description="name of the job, and of its random streams")]
     environment: Annotated[Word, Meta(description="name of the environment")]
-    tasks: Annotated[str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")]
+    tasks: Annotated[
+        str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")
+    ]
     method: Annotated[str, Meta(description="identifier of the method")]
     seeds: Annotated[Positive, Meta(description="lives")]
 

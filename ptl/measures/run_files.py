@@ -117,7 +117,9 @@ def read_sizes(path: str | Path) -> np.ndarray:
     frame = read_table(path, GROWTH_COLUMNS)
     sizes = frame.pivot_table(index="run", columns="tasks", values="library_size")
     if not sizes.size == len(frame) > 0 or sizes.columns.tolist() != list(range(sizes.shape[1])):
-        raise UserError(f"{path}: runs with different numbers of tasks, or none; remove the table and run the workflow again")
+        raise UserError(
+            f"{path}: runs with different numbers of tasks, or none; remove the table and run the workflow again"
+        )
     return sizes.to_numpy(dtype=float)
 
 

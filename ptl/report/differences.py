@@ -33,9 +33,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
         verdict = claim["verdict"]
         if claim["verdict_plain"]:
             verdict += f"\n(plain reading: {claim['verdict_plain']})"
-        rows.append(
-            (claim["id"], claim["claim"], numbers, verdict, claim["verdict_30"])
-        )
+        rows.append((claim["id"], claim["claim"], numbers, verdict, claim["verdict_30"]))
     headings = (
         "claim",
         "the article says",

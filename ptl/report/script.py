@@ -85,7 +85,9 @@ class Script:
         found = {name: load_map(entry.map) for name, entry in self.environments.items()}
         for name, world in found.items():
             if map_digest(world.text) != self.maps.get(name, map_digest(world.text)):
-                raise UserError(f"{self.environments[name].map}: was changed during the run; run the same command again")
+                raise UserError(
+                    f"{self.environments[name].map}: was changed during the run; run the same command again"
+                )
         return found
 
     def results(self, paths: Iterable[str | os.PathLike[str]]) -> Iterator[Result]:

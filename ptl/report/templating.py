@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import Any
 
 import jinja2
@@ -64,7 +65,16 @@ _LATEX = _environment(
 )  # braces belong to LaTeX
 
 
-def render(template: str, **values: Any) -> str:
-    """Fill a file of ``ptl/report/templates``; values in HTML are escaped, other formats use filters."""
+def render(template: str, folder: Path | None = None, **values: Any) -> str:
+    """Fill a file of ``ptl/report/templates``; values in HTML are escaped, other formats use filters.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Further templates, which may use those of the report.
+    """
     environment = _LATEX if template.endswith(".tex") else _PLAIN
+    if folder is not None:
+        loaders = [jinja2.FileSystemLoader(folder), jinja2.PackageLoader("ptl.report")]
+        environment = environment.overlay(loader=jinja2.ChoiceLoader(loaders))
     return str(Markup(environment.get_template(template).render(**values)))

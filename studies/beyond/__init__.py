@@ -1,7 +1,9 @@
 """The second study: methods beyond the article's comparison on a population of maps.
 
-``design``   from config/beyond.yaml to jobs
-``running``  many lives in one process, to one file
-``collect``  from these files to a row for each life, and for each task
-``summary``  estimates for each family of maps
+``families``, ``maps``, ``population``  the maps: generators, sequences of tasks, the table of all maps
+``methods``, ``finders``                methods and finders of subgoals beyond the article's
+``design``, ``planned``                 the configuration, and the jobs that follow from it
+``lives``, ``jobs``                     many lives in one process, to one file
+``collect``, ``summary``                a row for each life and task; estimates for each family of maps
+``figures``, ``page``                   what readers see
 """

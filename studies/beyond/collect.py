@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-import msgspec
 import numpy as np
 import pandas as pd
 
 from ptl import methods
-from ptl.config import Parameters
 from ptl.errors import UserError
-from ptl.files.arrays import read_arrays
-from ptl.files.remedies import make_again
-from ptl.files.schema import LIVES
+from ptl.files.store import Result
 from ptl.files.tables import check_numbers, read_table
-from studies.beyond.design import MAIN, Study
+from studies.beyond.design import SecondStudy
+from studies.beyond.jobs import LivesOnMaps
+from studies.beyond.maps import MAIN
 from studies.beyond.methods import reference
-from studies.beyond.population import BANDS, read_population
-from studies.beyond.running import Cell
+from studies.beyond.population import read_population
 
 KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
 TASK_COLUMNS = (
@@ -27,11 +24,14 @@ TASK_COLUMNS = (
 )  # fmt: skip
 """``task`` counts from 1; ``optimum`` is episodes x shortest path; ``library_size`` is that after the task."""
 
+TEXTS = ("family", "map", "sequence")
+"""Columns whose values are text, beside those of `ptl.files.tables`."""
+
 LIFE_COLUMNS = ("family", "map", "size", "sequence", "method", "seed", "total_steps", "optimum", "library_size")
 """Columns of ``per_life.csv``: steps and optimum are those of the tasks after the first."""
 
 
-def per_task(paths: Iterable[str | Path]) -> pd.DataFrame:
+def per_task(results: Iterable[Result]) -> pd.DataFrame:
     """Return a row for each task of each life, columns `TASK_COLUMNS`.
 
     ``size`` is the wanted number of states of a generated map and the number of states of a given one.
@@ -39,39 +39,27 @@ def per_task(paths: Iterable[str | Path]) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When a file is missing, damaged or of another kind.
+        If a file cannot be used.
     """
-    frames = [_rows(path) for path in paths]
+    frames = [_rows(result.job, result.arrays) for result in results]
     return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=list(TASK_COLUMNS))
 
 
-def _rows(path: str | Path) -> pd.DataFrame:
-    arrays, origin = read_arrays(path, LIVES)
-    job = origin["job"]
-    try:
-        cell = msgspec.convert(job["cell"], Cell)
-    except msgspec.ValidationError as error:
-        raise UserError(f"{path}: holds a job that cannot be right ({error}); {make_again(path)}") from error
-    episodes = Parameters.from_dict(job["parameters"]).learning.episodes
-    shape = arrays["steps"].shape
-    maps, seeds = shape[:2]
-    if (maps, seeds) != (len(cell.maps), cell.seeds):
-        raise UserError(f"{path}: holds {maps} x {seeds} lives, not those of its job; {make_again(path)}")
-    places = [place if cell.size else Path(str(place)).stem for place in cell.maps]
-    of_map, of_seed, of_task = (index.ravel() for index in np.indices(shape))
+def _rows(job: LivesOnMaps, arrays: Mapping[str, np.ndarray]) -> pd.DataFrame:
+    of_map, of_seed, of_task = (index.ravel() for index in np.indices(arrays["steps"].shape))
     return pd.DataFrame(
         {
-            "family": cell.family,
-            "map": np.array(places, dtype=object).astype(str)[of_map],
-            "size": cell.size or arrays["states"][of_map],
-            "sequence": cell.sequence,
-            "method": methods.identifier(reference(cell.method)),
-            "per_task": cell.per_task,
+            "family": job.family,
+            "map": np.array(job.places, dtype=object)[of_map],
+            "size": job.size or arrays["states"][of_map],
+            "sequence": job.sequence,
+            "method": job.method,
+            "per_task": job.per_task,
             "seed": of_seed,
             "task": of_task + 1,
             "steps": arrays["steps"].ravel(),
             "first_episode": arrays["first"].ravel(),
-            "optimum": (episodes * arrays["shortest"])[of_map, of_task],
+            "optimum": (job.settings.learning.episodes * arrays["shortest"])[of_map, of_task],
             "truncated": arrays["truncated"].ravel(),
             "library_size": arrays["library_size"].ravel(),
             "states": arrays["states"][of_map],
@@ -95,8 +83,7 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 
 def read_tasks(path: str | Path) -> pd.DataFrame:
     """Read the table of `per_task` back."""
-    frame = read_table(path, TASK_COLUMNS)
-    return frame.astype({"task": int})  # a number here, a letter elsewhere
+    return read_table(path, TASK_COLUMNS, texts=TEXTS).astype({"task": int})  # a number here, a letter elsewhere
 
 
 def read_lives(path: str | Path) -> pd.DataFrame:
@@ -105,9 +92,9 @@ def read_lives(path: str | Path) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When it cannot be read, lacks a column, holds a life twice, or a cost that cannot be.
+        If it cannot be read, lacks a column, has a life twice, or a cost that cannot be.
     """
-    frame = read_table(path, LIFE_COLUMNS)
+    frame = read_table(path, LIFE_COLUMNS, texts=TEXTS)
     check_numbers(frame, path, ("size", "seed", "optimum", "library_size"), low=0)
     check_numbers(frame, path, ("total_steps",))
     for wrong, what in (
@@ -122,7 +109,7 @@ def read_lives(path: str | Path) -> pd.DataFrame:
     return frame[list(LIFE_COLUMNS)]
 
 
-def foreign_lives(study: Study) -> pd.DataFrame:
+def foreign_lives(study: SecondStudy) -> pd.DataFrame:
     """Return the lives of methods that the study does not run, on the maps that it does.
 
     Raises
@@ -133,11 +120,10 @@ def foreign_lives(study: Study) -> pd.DataFrame:
     found = pd.DataFrame(columns=list(LIFE_COLUMNS))
     taken = {methods.identifier(reference(name)): "methods" for name in study.methods}
     episodes = study.learning.episodes
-    shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population(study.population)}
+    shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population()}
     for path in study.foreign_lives:
         lives = read_lives(path)
-        first = BANDS[study.band]
-        places = [str(seed) for seed in range(first, first + study.maps)]
+        places = [str(seed) for seed in study.seeds_of_maps]
         generated = lives["family"].isin(study.families) & lives["map"].isin(places) & (lives["size"] == study.size)
         lives = lives[
             (generated & (lives["seed"] < study.seeds) & lives["sequence"].isin([MAIN, *study.sequences.names]))

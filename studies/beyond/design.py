@@ -1,30 +1,23 @@
-"""From config/beyond.yaml to the jobs of the second study."""
+"""The configuration of the second study."""
 
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import asdict
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import msgspec
 
 from ptl import methods
-from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics, check_tasks
+from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
-from ptl.files.outside import learning_code
-from ptl.files.question import READS, Question, asked_jobs, digest_of, lives_code
-from ptl.files.schema import LEARNING, LIVES
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
-from ptl.world.gridworld import GridWorld, load_map, map_digest
-from ptl.world.mazes import FAMILIES, GOALS
+from studies.beyond.families import FAMILIES
+from studies.beyond.maps import MAIN, SEQUENCES
 from studies.beyond.methods import module_of, reference
-from studies.beyond.population import BANDS, MAPS, POPULATION, SEQUENCES, SIZE, Entry, read_population
-from studies.beyond.running import MOVING_AI, Cell, load_moving_ai
-
-MAIN = "increasing"
-"""Sequence of tasks of the main comparison, as in the article."""
+from studies.beyond.population import BANDS, MAPS, SIZE
 
 ARTICLE = "article"
 """Sequence of the article's maps, whose goals are given."""
@@ -60,14 +53,13 @@ class Shown(Group, frozen=True, kw_only=True):
     maps: Annotated[int, key("Maps of each family.", ge=1, le=100)] = 1
 
 
-class Study(Parameters, frozen=True, kw_only=True):
+class SecondStudy(Parameters, frozen=True, kw_only=True):
     """The second study: maps, methods and effort."""
 
     run: Annotated[str, key("Name of the run; files go to results/<run>/, products to reports/<run>/.", **RUN_NAME)] = (
         "beyond"
     )
     root_seed: Annotated[int, key("Seed from which every random stream derives.", ge=0, le=2**63 - 1)] = 15
-    population: Annotated[str, key("Table of the maps.", **PATH)] = str(POPULATION)
     band: Annotated[Literal["tuning", "test"], key("Band of maps; what is tuned is tuned on the tuning band only.")] = (
         "test"
     )
@@ -119,6 +111,13 @@ class Study(Parameters, frozen=True, kw_only=True):
                     raise ConfigurationError.of_value(name, value, f"one of {', '.join(known)}")
             if twice := repeated(given):
                 raise ConfigurationError(name, f"{twice[0]} is repeated; name it once")
+        for path in self.moving_ai:
+            if not re.fullmatch("[A-Za-z0-9_][A-Za-z0-9_.-]*", Path(path).stem):
+                raise ConfigurationError.of_value("moving_ai", path, "a file called by letters, digits, _, - and .")
+        if "moving_ai" in self.article_maps:
+            raise ConfigurationError("article_maps", "moving_ai is the name of another family; give another name")
+        if twice := repeated([Path(path).stem for path in self.moving_ai]):
+            raise ConfigurationError("moving_ai", f"two maps are called {twice[0]}; rename one of the files")
         if self.families and (self.band, self.size) not in MAPS:
             sizes = [str(size) for band, size in MAPS if band == self.band]
             raise ConfigurationError.of_value("size", self.size, f"one of {', '.join(sizes)} in the band {self.band}")
@@ -159,142 +158,17 @@ class Study(Parameters, frozen=True, kw_only=True):
         return [name for method in self.methods if (name := module_of(method))]
 
     @property
-    def parameters(self) -> dict[str, Any]:
-        """The hyper-parameters of learning, as plain data."""
-        return {name: getattr(self, name).to_dict() for name in Parameters.__struct_fields__}
+    def seeds_of_maps(self) -> range:
+        """Seeds of the maps of each family."""
+        first = BANDS[self.band]
+        return range(first, first + self.maps)
+
+    def groups(self, names: tuple[str, ...]) -> dict[str, dict[str, Any]]:
+        """Return groups of hyper-parameters as plain data."""
+        return {name: getattr(self, name).to_dict() for name in names}
 
 
-def cells(study: Study) -> Iterator[Cell]:
-    """Yield the cells of a study."""
-    sizes, others = study.library_sizes, study.sequences
-    plans = [(MAIN, study.maps, method, 0) for method in study.methods]
-    plans += [(name, others.maps, method, 0) for name in others.names for method in others.methods]
-    sized = [(method, number) for method in sizes.methods for number in sizes.per_task]
-    plans += [(MAIN, sizes.maps, *variant) for variant in sized]
-    first = BANDS[study.band]
-    for family in study.families:
-        for sequence, maps, method, per_task in plans:
-            for batch in range(0, min(maps, study.maps), study.batch):
-                seeds: list[int | str] = list(range(first + batch, first + min(batch + study.batch, maps, study.maps)))
-                yield Cell(family, study.size, sequence, seeds, study.seeds, method, per_task)
-    for method, per_task in [*((method, 0) for method in study.methods), *sized]:
-        for family, entry in study.article_maps.items():
-            yield Cell(family, 0, ARTICLE, [entry.map], study.article_seeds, method, per_task, entry.tasks)
-        for path in study.moving_ai:
-            yield Cell(MOVING_AI, 0, MAIN, [path], study.seeds, method, per_task)
-
-
-def shown(study: Study) -> dict[str, tuple[str, int]]:
-    """Return family and seed of each map that the explorer shows, by the name of its file."""
-    seeds = range(min(study.explorer.maps, study.maps) if study.explorer.methods else 0)
-    places = [(family, BANDS[study.band] + seed) for family in study.families for seed in seeds]
-    return {f"{family}_{study.size}_{seed}": (family, seed) for family, seed in places}
-
-
-def entries_of(study: Study) -> dict[tuple[str, int], Entry]:
-    """Return the row of each generated map of a study by family and seed.
-
-    Raises
-    ------
-    UserError
-        When the table lacks a map.
-    """
-    if not study.families:
-        return {}
-    rows = {(e.family, e.seed): e for e in read_population(study.population) if e.size == study.size}
-    first = BANDS[study.band]
-    places = [(family, seed) for family in study.families for seed in range(first, first + study.maps)]
-    for place in places:
-        if place not in rows:
-            raise UserError(
-                f"{study.population}: has no map of the family {place[0]}, size {study.size} and seed {place[1]}; run"
-                " 'ptl population' to make the table"
-            )
-    return {place: rows[place] for place in places}
-
-
-def given_worlds(study: Study) -> dict[str, GridWorld]:
-    """Return the maps of a study that are files, by their paths.
-
-    Raises
-    ------
-    UserError
-        When a map cannot be read, or lacks a task.
-    """
-    found = {}
-    for name, entry in study.article_maps.items():
-        found[entry.map] = load_map(entry.map)
-        check_tasks(entry.tasks, found[entry.map].goals, f"article_maps.{name}.tasks")
-    return found | {path: load_moving_ai(path) for path in study.moving_ai}
-
-
-def map_digests(
-    study: Study, entries: Mapping[tuple[str, int], Entry], worlds: Mapping[str, GridWorld]
-) -> dict[str, str]:
-    """Return a digest of the maps of each cell and of each map that the explorer shows, by its name.
-
-    Parameters
-    ----------
-    entries, worlds : mapping
-        Generated and given maps, as `entries_of` and `given_worlds` return them.
-    """
-    digests: dict[str, str] = {}
-    for cell in cells(study):
-        hashes = [
-            entries[cell.family, int(place)].hash if cell.size else map_digest(worlds[str(place)].text)
-            for place in cell.maps
-        ]
-        digests[cell.name] = digest_of(*hashes)
-    return {**digests, **{name: entries[place].hash for name, place in shown(study).items()}}
-
-
-def job_of(cell: Cell, study: Study, maps: str) -> dict[str, Any]:
-    """Return what one cell's job needs, as plain data.
-
-    Parameters
-    ----------
-    maps : str
-        Digest of its maps.
-    """
-    return {"cell": asdict(cell), "maps": maps, **_shared(study)}
-
-
-def _shared(study: Study) -> dict[str, Any]:
-    return {"root_seed": study.root_seed, "population": study.population, "parameters": study.parameters}
-
-
-def question_of(study: Study, maps: Mapping[str, str], codes: Mapping[str, str] | None = None) -> Question:
-    """Return what the files of lives, and of those that the explorer shows, must have been made from.
-
-    Parameters
-    ----------
-    maps : mapping
-        Digests, as `map_digests` returns them.
-    codes : mapping, optional
-        Digest of each method's sources as they are now; without it files by methods from elsewhere may be older.
-    """
-    jobs = {
-        cell.name: {
-            "cell": asdict(cell),
-            "maps": maps[cell.name],
-            **({"code": codes[cell.method]} if codes else {}),
-        }
-        for cell in cells(study)
-    }
-    parameters = {name: study.parameters[name] for name in READS[LEARNING]}
-    names = list(shown(study))
-    return {
-        **asked_jobs(LIVES, jobs, **_shared(study)),
-        LEARNING: {
-            "root_seed": study.root_seed,
-            "parameters": parameters,
-            "tasks": dict.fromkeys(names, GOALS),
-            "maps": {name: maps[name] for name in names},
-        },
-    }
-
-
-def report_files(study: Study, lived: Iterable[str]) -> list[str]:
+def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
     """Return the names of the files that the study's page comes with.
 
     Parameters
@@ -304,7 +178,8 @@ def report_files(study: Study, lived: Iterable[str]) -> list[str]:
     """
     tables, numbers = ("costs", "ratios", "improvement", "components"), ("winding_trends", "sequences")
     figures = ["overview", "profiles", "tasks"]
-    if any(cell.per_task for cell in cells(study)):
+    sizes = study.library_sizes
+    if sizes.methods and sizes.per_task and (study.families or study.article_maps or study.moving_ai):
         figures.append("library_size")
     if study.families and (study.methods or {*lived} & {*study.families}):
         figures.append("winding")
@@ -315,15 +190,8 @@ def report_files(study: Study, lived: Iterable[str]) -> list[str]:
     ]
 
 
-def method_digest(method: str) -> str:
-    """Return a digest of the sources that the lives of a method depend on."""
-    if module := module_of(method):
-        return lives_code(module)
-    return learning_code(method, "studies.beyond.running")
-
-
-def read_study(path: str | Path) -> Study:
-    """Read and check a file such as config/beyond.yaml.
+def read_study(path: str | Path) -> SecondStudy:
+    """Read and check the file of a study.
 
     Raises
     ------
@@ -332,6 +200,6 @@ def read_study(path: str | Path) -> Study:
     """
     content = read_yaml(path)
     try:
-        return Study.read(content)
+        return SecondStudy.read(content)
     except ConfigurationError as error:
         raise UserError(f"{path}: {error}") from error

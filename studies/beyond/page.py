@@ -5,19 +5,24 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from ptl import methods
-from ptl.methods import beyond
 from ptl.report.table import Cell, Column, Group, Row, Table, text_table
 from ptl.report.templating import render
 from ptl.text import MISSING, interval, number, percent
-from studies.beyond.design import MAIN, Study, shown
+from studies.beyond import methods as our_methods
+from studies.beyond.design import SecondStudy
 from studies.beyond.figures import Look
+from studies.beyond.maps import MAIN
+from studies.beyond.planned import shown
 from studies.beyond.summary import BASE
+
+TEMPLATES = Path(__file__).parent / "templates"
 
 FAMILY_TITLES = {
     "chain": "Chain of rooms",
@@ -81,17 +86,17 @@ OTHER_COLOURS = ("#000000", "#7f3b08", "#003c30", "#40004b")
 """Colours of methods that only a table names, one after another."""
 
 
-def looks_of(study: Study, names: Iterable[str]) -> dict[str, Look]:
+def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
     """Return how each method is shown, by identifier: those of the study first, then others that ``names`` has."""
-    built_in = (*methods.names(), *beyond.names())
-    references = methods.by_identifier(map(beyond.reference, study.methods))
+    built_in = (*methods.names(), *our_methods.names())
+    references = methods.by_identifier(map(our_methods.reference, study.methods))
     others = [name for name in dict.fromkeys(names) if name not in references]
     order = {name: place for place, name in enumerate(dict.fromkeys((*ORDER, *references, *others)))}
     colours = itertools.cycle(OTHER_COLOURS)
     looks = {}
     for name in sorted({*references, *others}, key=order.__getitem__):
         if name in references or name in built_in:
-            kind = methods.load(references.get(name) or beyond.reference(name))
+            kind = methods.load(references.get(name) or our_methods.reference(name))
             label, colour = kind.label, kind.colour
         else:
             label, colour = name.replace("_", " ").capitalize(), next(colours)
@@ -116,7 +121,7 @@ def in_figures(looks: Mapping[str, Look]) -> dict[str, Look]:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class AgainstPTL:
     """A method against another one over the generated families."""
 
     ratios: pd.DataFrame  # family, ratio, ratio_low, ratio_high
@@ -145,10 +150,10 @@ class Comparison:
         return f"{mean} × PTL’s cost ({spread}; {listed} of {self.families} families)"
 
 
-def compared(costs: pd.DataFrame, families: Sequence[str]) -> dict[str, Comparison]:
+def compared(costs: pd.DataFrame, families: Sequence[str]) -> dict[str, AgainstPTL]:
     """Return the comparison of every method with `BASE` over some families."""
     own = costs[costs["family"].isin(families) & (costs["method"] != BASE)].dropna(subset=["ratio"])
-    return {str(name): Comparison(part) for name, part in own.groupby("method", sort=False)}
+    return {str(name): AgainstPTL(part) for name, part in own.groupby("method", sort=False)}
 
 
 def answers(
@@ -170,7 +175,7 @@ def answers(
     ]
 
 
-def _verdicts(found: Mapping[str, Comparison], names: Sequence[str], looks: Mapping[str, Look]) -> str:
+def _verdicts(found: Mapping[str, AgainstPTL], names: Sequence[str], looks: Mapping[str, Look]) -> str:
     """Say which of some methods are cheaper than PTL in every family, dearer in every one, or neither."""
     cheaper = [name for name in names if found[name].less == found[name].families]
     dearer = [name for name in names if found[name].more == found[name].families]
@@ -183,7 +188,7 @@ def _verdicts(found: Mapping[str, Comparison], names: Sequence[str], looks: Mapp
     return _sentence("; ".join(filter(None, parts)))
 
 
-def _against(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+def _against(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
     names = [name for name in (NO_TRANSFER, *RIVALS) if name in found]
     names += [name for name in found if name not in KNOWLEDGE]
     lines = [f"{looks[name].label}: {found[name].text}." for name in names]
@@ -198,7 +203,7 @@ def _against(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict
     return {"lead": _verdicts(found, names, looks), "lines": lines}
 
 
-def _parts(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
+def _parts(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
     finders = [name for name in FINDERS if name in found]
     others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in found]
     lines = [f"{looks[name].label}: {found[name].text}." for name in (*finders, *others)]
@@ -220,7 +225,7 @@ def _parts(found: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[s
 
 
 def _elsewhere(
-    found: Mapping[str, Comparison],
+    found: Mapping[str, AgainstPTL],
     costs: pd.DataFrame,
     families: Sequence[str],
     components: pd.DataFrame,
@@ -345,10 +350,10 @@ def component_table(components: pd.DataFrame, looks: Mapping[str, Look], titles:
 
 def page(**values: Any) -> str:
     """Fill the page's template."""
-    return render("beyond.html", title="Is a skill library worth having, and where?", **values)
+    return render("beyond.html", folder=TEMPLATES, title="Is a skill library worth having, and where?", **values)
 
 
-def introduction(study: Study, lives: pd.DataFrame) -> str:
+def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
     """Describe what was run."""
     own = lives[lives["sequence"] == MAIN]
     maps = own.groupby("family")["map"].nunique()
@@ -369,9 +374,9 @@ def introduction(study: Study, lives: pd.DataFrame) -> str:
     )
 
 
-def explorer_line(study: Study, looks: Mapping[str, Look]) -> str:
+def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
     """Describe what the explorer shows, empty if there is none."""
-    names = methods.by_identifier(map(beyond.reference, study.explorer.methods))
+    names = methods.by_identifier(map(our_methods.reference, study.explorer.methods))
     if not names:
         return ""
     maps = len(shown(study))
@@ -387,17 +392,17 @@ READING = (
 )
 
 
-def method_lines(study: Study) -> list[str]:
+def method_lines(study: SecondStudy) -> list[str]:
     """Describe design and statistics."""
     level, resamples = percent(study.statistics.confidence), number(study.statistics.resamples)
     return [
         f"Intervals ({level}) are percentiles of a hierarchical bootstrap with {resamples} resamples: maps, then lives"
         " on each map; all methods on the same maps. For a map of the article only lives are drawn, so its intervals"
         " say nothing about other maps. They are not corrected for the number of comparisons.",
-        "Maps, their seeds and hashes are in config/population.csv. What was tuned was tuned on the tuning band, which"
-        " has no map in common with the test band; docs/beyond.md says what was tried.",
-        "Every method is a file in ptl/methods/ or studies/beyond/methods/, with its source. Hyper-parameters are those of"
-        " the reproduction, tuned for none of the methods.",
+        "Maps, their seeds and hashes are in studies/beyond/config/population.csv. What was tuned was tuned on the"
+        " tuning band, which has no map in common with the test band; studies/beyond/README.md says what was tried.",
+        "Every method is a file in ptl/methods/ or studies/beyond/methods/, with its source. Hyper-parameters are those"
+        " of the reproduction, tuned for none of the methods.",
         "Limits: deterministic grid worlds, tables instead of function approximation, one start a map. A method that"
         " keeps a model of all transitions fits such worlds better than a robot’s; noise would cost it more than the"
         " others.",

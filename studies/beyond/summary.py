@@ -21,8 +21,9 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.measures.statistics import Estimate, Resampling, named_generator
-from studies.beyond.design import ARTICLE, MAIN
-from studies.beyond.population import Entry
+from studies.beyond.design import ARTICLE
+from studies.beyond.maps import MAIN
+from studies.beyond.population import MapEntry
 
 BASE = "ptl"
 """Method that others are compared with."""
@@ -264,7 +265,7 @@ def by_sequence(lives: pd.DataFrame, how: Resampling) -> pd.DataFrame:
     return pd.DataFrame(_means(same, ("family", "method", "sequence"), how))
 
 
-def by_winding(lives: pd.DataFrame, entries: Iterable[Entry]) -> pd.DataFrame:
+def by_winding(lives: pd.DataFrame, entries: Iterable[MapEntry]) -> pd.DataFrame:
     """Return the geometric mean cost on each generated map beside the map's winding.
 
     Columns family, map, method, winding, cost.

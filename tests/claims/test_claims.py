@@ -26,11 +26,11 @@ from projects import FIRST_MAPS
 
 from ptl import claims
 from ptl.claims import places, thresholds
-from ptl.claims.evidence import Evidence, Lacking, read_evidence, settings_of
+from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence_files import read_evidence
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
-from ptl.files.arrays import write_arrays
-from ptl.measures.measures import STEPS
+from ptl.measures.run_files import write_steps
 from ptl.measures.statistics import Estimate
 from ptl.world.gridworld import GridWorld, load_map
 
@@ -479,8 +479,7 @@ def files(tmp_path, as_in_the_article):
     for name, frame in frames.items():
         frame.to_csv(paths[name], index=False)
     paths["steps"] = tmp_path / "steps.h5"
-    steps = {"/".join(names): array for names, array in evidence.steps.items()}
-    write_arrays(paths["steps"], STEPS, steps, {"seeds": np.arange(evidence.n_seeds())})
+    write_steps(paths["steps"], evidence.steps)
     return paths
 
 
@@ -508,7 +507,7 @@ def test_editing_the_data_flips_the_verdict(files, as_in_the_article):
     [
         (lambda files: files["subgoals"].write_text("environment\n1\n"), "no column 'method'"),
         (lambda files: files["growth"].unlink(), "cannot be read as CSV"),
-        (lambda files: files["steps"].write_text("no"), "is not a result file"),
+        (lambda files: files["steps"].write_text("no"), "no result file of this version"),
         (lambda files: files["per_seed"].write_text("environment,seed\nenv1,1\n"), "no column"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import oracles
 import pytest
@@ -11,17 +12,19 @@ from made_up_run import GROUPS, MadeUpRun
 from projects import MAPS
 
 from ptl import claims
-from ptl.claims.decision import decision_jobs, read_decision
+from ptl.claims.decision import decision_jobs, evidence_of
 from ptl.config import Configuration, Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.learning.growth import grow_library
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.lives import grow_lives, learn_lives
 from ptl.measures.exact import first_episode_without_transfer
-from ptl.world.gridworld import GridWorld, load_map
-from studies.robustness.running import run_setting
+from ptl.world.gridworld import GridWorld, load_map, map_digest
 
 ROOMS = GridWorld.from_text("#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n", "rooms")
+WORLDS = {"env2": load_map(MAPS / "env2.txt")}
+DIGEST = map_digest(WORLDS["env2"].text)
 BRIEF = Parameters().replace(learning__episodes=12, subgoals__trajectories=5)
 
 
@@ -55,38 +58,39 @@ def test_growing_lives_are_those_of_the_growth_experiment() -> None:
         assert np.diff(sizes[run]).tolist() == [record.update.subgoal >= 0 for record in records]
 
 
-def configuration(**changes: object) -> dict:
-    environments = {name: {"map": str(MAPS / f"{name}.txt"), "tasks": "AB"} for name in ("env2", "env3")}
-    environments["mine"] = environments["env2"]
-    given = {"run": "x", "environments": environments, "methods": ["no_transfer", "ptl"],
-             "learning": {"episodes": 12}, "growth": {"environment": "env3", "tasks": 8},
-             "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10},
-             "measures": {"window": 10}}  # fmt: skip
-    return Configuration.from_dict(given | changes).to_dict()
+def jobs_of(environments: tuple[str, ...] = ("env2", "env3", "mine"), **changes: object) -> dict:
+    entry = {"map": str(MAPS / "env2.txt"), "tasks": "AB"}
+    given = {
+        "run": "x", "environments": dict.fromkeys(environments, entry), "methods": ["no_transfer", "ptl"],
+        "learning": {"episodes": 12}, "growth": {"environment": environments[-1], "tasks": 8},
+        "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10},
+    }  # fmt: skip
+    return decision_jobs(Configuration.from_dict(given | changes), dict.fromkeys(environments, DIGEST))
 
 
 def test_only_what_claims_speak_of_is_decided() -> None:
-    jobs = decision_jobs(configuration())
-    assert set(jobs) == {"env2_no_transfer", "env2_ptl", "env3_no_transfer", "env3_ptl", "growth"}
-    jobs = decision_jobs(configuration(methods=["no_transfer", "full_transfer", "ptl"]))
-    seeds = [jobs[f"env2_{method}"]["seeds"] for method in ("no_transfer", "full_transfer", "ptl")]
-    assert seeds == [14, 10, 12]
-    assert not decision_jobs(configuration(environments={"mine": {"map": "x"}}, growth={"environment": "mine"}))
+    lives = {f"decision/{name}_{method}.h5" for name in ("env2", "env3") for method in ("no_transfer", "ptl")}
+    assert {*jobs_of()} == lives, "neither lives nor libraries on a map that no claim speaks of"
+    assert not jobs_of(("mine",))
+    jobs = jobs_of(("env2",), methods=["no_transfer", "full_transfer", "ptl", "methods/mine.py"])
+    seeds = {place: job.seeds for place, job in jobs.items() if place != "decision/growth.h5"}
+    assert seeds == {
+        "decision/env2_no_transfer.h5": 14, "decision/env2_full_transfer.h5": 10, "decision/env2_ptl.h5": 12
+    }  # fmt: skip
+    assert jobs["decision/growth.h5"].runs == 10
 
 
 @pytest.fixture(scope="module")
-def decided(tmp_path_factory: pytest.TempPathFactory) -> dict:
+def decided(tmp_path_factory: pytest.TempPathFactory) -> list[store.Result]:
     folder = tmp_path_factory.mktemp("decision")
-    jobs = decision_jobs(configuration(environments={"env2": configuration()["environments"]["env2"]},
-                                       growth={"environment": "env2", "tasks": 8}))  # fmt: skip
-    paths = {name: folder / f"{name}.h5" for name in jobs}
-    for name, job in jobs.items():
-        run_setting(job, paths[name])
-    return paths
+    jobs = jobs_of(("env2",))
+    for place, job in jobs.items():
+        store.write(folder / place, job, job.run(WORLDS), WORLDS)
+    return [store.read(folder / place, job) for place, job in jobs.items()]
 
 
-def test_decision_compares_first_episodes_with_their_expectation(decided: dict) -> None:
-    evidence = read_decision(decided.values(), GROUPS)
+def test_decision_compares_first_episodes_with_their_expectation(decided: list[store.Result]) -> None:
+    evidence = evidence_of(decided, GROUPS)
     world = evidence.world("env2")
     expected = first_episode_without_transfer(world, world.goal("B"))
     first = evidence.values("env2", "B", "ptl", "first_episode")
@@ -94,13 +98,54 @@ def test_decision_compares_first_episodes_with_their_expectation(decided: dict) 
     np.testing.assert_allclose(evidence.values("env2", "B", "ptl", "jump_start"), expected - first)
     assert set(evidence.values("env2", "B", "no_transfer", "first_episode")) == {expected}
     assert evidence.needed("growth").shape == (10, 9)
+    assert evidence.needed("subgoals").groupby("method").size().to_dict() == {"ptl": 2 * 12}
 
 
-def test_unfinished_decision_is_refused(tmp_path, decided: dict) -> None:
-    job = decision_jobs(configuration())["env2_ptl"] | {"step_budget": 1}
-    run_setting(job, tmp_path / "env2_ptl.h5")
-    with pytest.raises(UserError, match=r"did not finish .*given up after 1 of 12"):
-        read_decision([tmp_path / "env2_ptl.h5"], GROUPS)
+def spoil_steps(arrays: dict[str, np.ndarray]) -> None:
+    arrays["steps"][3, 1, 2] = 1
+
+
+def spoil_truncated(arrays: dict[str, np.ndarray]) -> None:
+    arrays["truncated"][0, 0] = 1
+
+
+def spoil_seeds(arrays: dict[str, np.ndarray]) -> None:
+    arrays["seeds"][[0, 1]] = 1, 0
+
+
+def spoil_sizes(arrays: dict[str, np.ndarray]) -> None:
+    arrays["library_size"][2, 1:] += 2
+
+
+def leave_lives_out(arrays: dict[str, np.ndarray]) -> None:
+    arrays["steps"] = arrays["steps"][:5]
+
+
+@pytest.mark.parametrize(
+    ("name", "spoil", "says"),
+    [
+        ("env2_ptl", spoil_steps, "task B: an episode is shorter than the shortest path"),
+        ("env2_ptl", spoil_truncated, "more episodes are truncated than have learning.max_steps"),
+        ("env2_no_transfer", spoil_seeds, "its seeds are not 0, 1, 2"),
+        ("env2_no_transfer", leave_lives_out, r"steps: has the shape \(5, 2, 12\) where \(14, 2, 12\) is needed"),
+        ("growth", spoil_sizes, "a library does not grow from 0 by at most one skill a task"),
+    ],
+)
+def test_what_no_lives_can_contain_is_refused(tmp_path, decided: list[store.Result], name, spoil, says) -> None:
+    [result] = [result for result in decided if result.job.place == f"decision/{name}.h5"]
+    arrays = {name: values.copy() for name, values in result.arrays.items()}
+    store.write(tmp_path / "same.h5", result.job, arrays, WORLDS)
+    spoil(arrays)
+    with pytest.raises(UserError, match=says):
+        store.write(tmp_path / "spoilt.h5", result.job, arrays, WORLDS)
+
+
+def test_lives_that_decide_are_others_than_those_of_the_tables(decided: list[store.Result]) -> None:
+    job = jobs_of(("env2",))["decision/env2_no_transfer.h5"]
+    tables = learn_lives(WORLDS["env2"], "AB", "no_transfer", job.settings, job.root_seed, range(3), "env2")
+    assert not np.array_equal(tables["steps"], decided[0].arrays["steps"][:3])
+    fewer = msgspec.structs.replace(job, seeds=3).run(WORLDS)
+    np.testing.assert_array_equal(fewer["steps"], decided[0].arrays["steps"][:3])
 
 
 def test_a_made_up_run_is_judged_alike_with_exact_first_episodes_of_its_own() -> None:

@@ -11,7 +11,7 @@ from ptl.files.tables import check_numbers, read_table
 def test_names_are_texts_and_only_empty_cells_are_missing(tmp_path):
     path = tmp_path / "table.csv"
     path.write_text("map,task,steps,note\n300,NA,1.5,nan\n,1,,\n")
-    frame = read_table(path, ["map", "steps"])
+    frame = read_table(path, ["map", "steps"], texts=["map"])
     assert frame["map"].tolist()[0] == "300" and frame["task"].tolist() == ["NA", "1"] and frame["note"][0] == "nan"
     assert frame.isna().to_numpy().tolist() == [[False] * 4, [True, False, True, True]]
     with pytest.raises(UserError, match="no column 'seed'; remove the table and run the workflow again"):

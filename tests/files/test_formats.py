@@ -20,7 +20,11 @@ KNOWN = {"n": 5, "e": 3}
 
 
 def good() -> dict[str, np.ndarray]:
-    arrays = {"total": np.int64(4), "library/subgoals": np.array([0, 4], "int32"), "library/names": np.array([b"a", b"b"])}
+    arrays = {
+        "total": np.int64(4),
+        "library/subgoals": np.array([0, 4], "int32"),
+        "library/names": np.array([b"a", b"b"]),
+    }
     for task in "AB":
         arrays |= {
             f"{task}/q": np.zeros((5, 4)),

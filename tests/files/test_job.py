@@ -28,7 +28,10 @@ def test_a_job_is_read_back_from_its_text():
         (job("ptl", 3, parameters=QUICK.replace(learning__alpha=0.7)), "learning.alpha 0.7, not 0.05"),
         (replace(LEARN, root_seed=2), "root_seed 2, not 1"),
         (replace(LEARN, tasks="BA"), "tasks 'BA', not 'AB'"),
-        (replace(LEARN, method="full_transfer", reference="full_transfer", code="0" * 16), "method 'full_transfer', not"),
+        (
+            replace(LEARN, method="full_transfer", reference="full_transfer", code="0" * 16),
+            "method 'full_transfer', not",
+        ),
         (replace(LEARN, own={"weight": 2}), "own.weight 2, not none"),
         (replace(LEARN, maps={"rooms": "0" * 16}), "another map of rooms"),
         (replace(LEARN, code="0" * 16), "another version of the code"),

@@ -8,12 +8,12 @@ import pytest
 from click.testing import CliRunner
 from projects import ROOMS
 
-from ptl.cli.learn import command
+from ptl.cli import commands
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.configuration import completed
 from ptl.files.outside import configured, learning_code, local_sources
-from ptl.files.results import open_learning
-from ptl.files.verification import faults_of
+from ptl.jobs.learn import tasks_in
 from ptl.learning.trial import check_method
 
 MINE = """
@@ -48,13 +48,17 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def learn(name: str, *arguments: str) -> None:
     options = ["--map", "rooms.txt", "--method", "mine.py", "--parameters", '{"learning": {"episodes": 5}}']
-    done = CliRunner().invoke(command, [*options, "--output", name, *arguments], catch_exceptions=False)
+    done = CliRunner().invoke(commands, ["learn", *options, "--output", name, *arguments], catch_exceptions=False)
     assert done.exit_code == 0, done.output
 
 
 def steps(name: str) -> list[int]:
-    with open_learning(name) as file:
-        return file.tasks["B"].steps.tolist()
+    return tasks_in(store.read(name))["B"].steps.tolist()
+
+
+def verified(name: str) -> str:
+    """What `ptl verify` prints, at a fault before it fails."""
+    return CliRunner().invoke(commands, ["verify", name]).output
 
 
 def test_own_parameters_act_and_are_kept(folder: Path) -> None:
@@ -62,20 +66,20 @@ def test_own_parameters_act_and_are_kept(folder: Path) -> None:
     learn("same.h5", "--method-parameters", '{"chance": 0.3}')
     learn("other.h5", "--method-parameters", '{"chance": 1}')
     assert steps("default.h5") == steps("same.h5") != steps("other.h5")
-    with open_learning("other.h5") as file:
-        assert file.method == "mine" and file.environment == "rooms"
-        assert file.parameters["method"] == {"reference": "mine.py", "parameters": {"chance": 1.0}}
+    job = store.read("other.h5").job
+    assert (job.method, job.reference, job.own, job.environment) == ("mine", "mine.py", {"chance": 1.0}, "rooms")
 
 
-def test_a_file_is_held_against_its_method(folder: Path) -> None:
+def test_a_file_is_compared_with_its_method(folder: Path) -> None:
     learn("one.h5")
-    assert faults_of(Path("one.h5")) == []
+    assert verified("one.h5") == "1 files are whole and consistent\n"
     before = learning_code("mine.py")
     Path("mine.py").unlink()
-    [fault] = faults_of(Path("one.h5"))
-    assert "was made by the method mine.py, which is not there" in fault
+    gone = "one.h5: its code cannot be compared with the present one: method mine.py: no such file"
+    assert verified("one.h5").startswith(gone)
     Path("mine.py").write_text(MINE + "# changed\n")
     assert learning_code("mine.py") != before
+    assert verified("one.h5").startswith("one.h5: was made with another version of the code")
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import math
 import pytest
 from click.testing import CliRunner
 
-from ptl.cli import learn, survey
+from ptl.cli import learn
 from ptl.config import Learning, Parameters, Skills, Subgoals
 from ptl.errors import UserError
 
@@ -107,21 +107,3 @@ def test_a_learning_job_refuses_in_one_line(tmp_path, options, says):
     done = CliRunner().invoke(learn.command, [part for option in given.items() for part in option])
     assert isinstance(done.exception, UserError) and says in str(done.exception)
     assert "\n" not in str(done.exception) and not (tmp_path / "out.h5").exists()
-
-
-@pytest.mark.parametrize(
-    ("options", "says"),
-    [
-        (["--starts", "some"], "starts: 'some' is not allowed; give all or a whole number >= 1"),
-        (["--starts", "0"], "starts: 0 is not allowed"),
-        (["--trajectories", "0"], "trajectories: 0 is not allowed"),
-        (["--batches", "0"], "batches: 0 is not allowed"),
-        (["--batch", "2"], "--batch: 2 is not allowed; give a number below --batches (2)"),
-    ],
-)
-def test_a_survey_job_refuses_in_one_line(tmp_path, options, says):
-    (tmp_path / "map.txt").write_text(MAP)
-    given = {"--map": str(tmp_path / "map.txt"), "--environment": "e", "--batch": "0", "--batches": "2",
-             "--root-seed": "1", "--output": str(tmp_path / "out.h5"), **dict([options])}  # fmt: skip
-    done = CliRunner().invoke(survey.batch, [part for option in given.items() for part in option])
-    assert isinstance(done.exception, UserError) and says in str(done.exception)

@@ -9,10 +9,12 @@ from pathlib import Path
 import pytest
 from projects import ROOT
 
+from ptl import methods
 from ptl.errors import UserError
 from ptl.files import provenance
 from ptl.files.checkout import check_checkout
-from ptl.files.outside import learning_code
+from ptl.files.outside import learning_code, sources_of
+from ptl.learning.growth import METHOD
 
 
 def forget() -> None:
@@ -22,14 +24,14 @@ def forget() -> None:
 
 
 def parsed_imports(path: Path) -> set[str]:
-    """What a file imports from this package, by Python's own parser."""
-    found = set()
+    """What a file imports from this package and the studies, by Python's own parser."""
+    found, ours = set(), ("ptl", "studies")
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "ptl":
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in ours:
             names = [f"{node.module}.{alias.name}" for alias in node.names]
             found |= {name if provenance._is_module(name) else node.module for name in names}
         elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names if alias.name.split(".")[0] == "ptl"}
+            found |= {alias.name for alias in node.names if alias.name.split(".")[0] in ours}
     return found
 
 
@@ -61,47 +63,81 @@ def package(tmp_path, monkeypatch) -> Path:
     copy = tmp_path / "ptl"
     shutil.copytree(provenance.PACKAGE, copy, ignore=shutil.ignore_patterns("*.so", "*.c", "__pycache__"))
     monkeypatch.setattr(provenance, "PACKAGE", copy)
+    monkeypatch.setattr(provenance, "ROOT", tmp_path)
     forget()
     yield copy
     forget()
 
 
+BUILT_IN = methods.names()
+ALL = {*BUILT_IN, "mine", "growth", "survey", "lives"}
+
+
+def learning_digests(package: Path) -> dict[str, str]:
+    """Digest of the jobs of every method, of one from elsewhere that is derived from ptl, and of the other jobs."""
+    forget()
+    mine = package.parent / "mine.py"
+    mine.write_text("from ptl.keys import Group\nfrom ptl.methods import ptl\n", encoding="utf-8")
+    return {name: learning_code(name) for name in BUILT_IN} | {
+        "mine": learning_code(str(mine)),
+        "growth": learning_code(METHOD, "ptl.learning.growth"),
+        "survey": sources_of("ptl.learning.survey"),
+        "lives": learning_code(METHOD, "ptl.learning.lives"),
+    }
+
+
+def changed_by(package: Path, edited: str) -> set[str]:
+    """Digests that a sentence added to a source changes."""
+    before = learning_digests(package)
+    add_sentence(package / edited)
+    after = learning_digests(package)
+    return {name for name in ALL if before[name] != after[name]}
+
+
+def add_sentence(path: Path) -> None:
+    path.write_text(path.read_text(encoding="utf-8") + "\n# A sentence.\n", encoding="utf-8")
+
+
+def test_no_sentence_outside_the_rooms_of_learning_makes_anything_learn_again(package):
+    before = learning_digests(package)
+    rooms = ("world", "agent", "methods", "learning")
+    outside = [path for path in package.rglob("*.py") if path.relative_to(package).parts[0] not in rooms]
+    for path in outside:
+        add_sentence(path)
+    assert learning_digests(package) == before and {*before} == ALL
+    names = {path.relative_to(package).as_posix() for path in outside}
+    assert len(names) > 50 and {"config.py", "keys.py", "files/store.py", "jobs/learn.py"} < names
+
+
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_a_method_counts_for_itself_and_those_derived_from_it(package, name):
+    kinds = {other: methods.load(other) for other in BUILT_IN}
+    changed = {other for other, kind in kinds.items() if issubclass(kind, kinds[name])}
+    if METHOD in changed:
+        changed |= {"growth", "lives", "mine"}
+    assert changed_by(package, f"methods/{name}.py") == changed
+
+
 @pytest.mark.parametrize(
-    ("edited", "learning_changes"),
+    ("edited", "changed"),
     [
-        ("agent/_kernel.pyx", True),
-        ("agent/_kernel.pxd", True),
-        ("agent/_selection.pyx", True),
-        ("world/_graph.pyx", True),
-        ("agent/skills.py", True),
-        ("agent/subgoals.py", True),
-        ("methods/ptl.py", True),
-        ("methods/__init__.py", True),
-        ("methods/beyond/__init__.py", False),
-        ("world/mazes.py", False),
-        ("errors.py", False),
-        ("keys.py", False),
-        ("config.py", False),
-        ("text.py", False),
-        ("files/results.py", False),
-        ("files/configuration.py", False),
-        ("methods/policy_reuse.py", False),
-        ("report/figures/maps.py", False),
-        ("report/figures/style.py", False),
-        ("report/metric_tables.py", False),
-        ("study/statistics.py", False),
-        ("learning/_survey.pyx", False),
+        ("agent/_kernel.pyx", ALL),
+        ("agent/_kernel.pxd", ALL),
+        ("agent/seeding.py", ALL),
+        ("world/_graph.pyx", ALL),
+        ("world/gridworld.py", ALL),
+        ("learning/life.py", ALL - {"survey"}),
+        ("methods/__init__.py", ALL - {"survey"}),
+        ("methods/_base.py", ALL - {"survey"}),
+        ("agent/_selection.pyx", ALL - {"no_transfer", "full_transfer", "survey"}),
+        ("learning/growth.py", {"growth", "lives"}),
+        ("learning/lives.py", {"lives"}),
+        ("learning/_survey.pyx", {"survey"}),
+        ("world/mazes.py", set()),
     ],
 )
-def test_only_what_learning_uses_changes_its_digest(package, tmp_path, edited, learning_changes):
-    mine = tmp_path / "mine.py"
-    mine.write_text("from ptl.keys import Group\nfrom ptl.methods import ptl\n")
-    before = [learning_code("ptl"), learning_code(str(mine))]
-    path = package / edited
-    path.write_text(path.read_text() + "\n# edited\n")
-    forget()
-    after = [learning_code("ptl"), learning_code(str(mine))]
-    assert [one != other for one, other in zip(before, after, strict=True)] == [learning_changes] * 2
+def test_learning_depends_on_what_it_uses(package, edited, changed):
+    assert changed_by(package, edited) == changed
 
 
 @pytest.mark.parametrize(

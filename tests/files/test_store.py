@@ -107,7 +107,10 @@ def test_a_map_other_than_that_of_the_job_is_found(learned):
 @pytest.mark.parametrize(
     ("wanted", "says"),
     [
-        (job("ptl", 3, parameters=QUICK.replace(skills__patience=3.0)), "made with skills.patience 1.0, not 3.0; remove"),
+        (
+            job("ptl", 3, parameters=QUICK.replace(skills__patience=3.0)),
+            "made with skills.patience 1.0, not 3.0; remove",
+        ),
         (job("ptl", 4), "made with seed 3, not 4"),
         (job("no_transfer", 3), "made with method 'ptl', not 'no_transfer' \\(and 2 other differences\\)"),
         (msgspec.structs.replace(job("ptl", 3), code="0" * 16), "made with another version of the code"),
@@ -121,7 +124,9 @@ def test_a_file_of_another_job_is_refused(learned, wanted, says):
 def test_nothing_impossible_is_written(tmp_path):
     arrays = job("ptl").run({"rooms": ROOMS})
     with pytest.raises(UserError, match="is not written; tasks/A/q: is missing"):
-        store.write(tmp_path / "a.h5", job("ptl"), {k: v for k, v in arrays.items() if k != "tasks/A/q"}, {"rooms": ROOMS})
+        store.write(
+            tmp_path / "a.h5", job("ptl"), {k: v for k, v in arrays.items() if k != "tasks/A/q"}, {"rooms": ROOMS}
+        )
     assert not list(tmp_path.iterdir())
 
 

@@ -6,35 +6,33 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from lives import QUICK, ROOMS
 
-from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.csv import write_csv
-from ptl.files.provenance import code_digest
-from ptl.files.results import write_growth
-from ptl.learning.growth import METHOD, grow_library
-from ptl.measures.growth import TwoSlopes, fit_two_slopes, library_sizes, read_sizes
+from ptl.jobs.grow import Grow
+from ptl.measures.growth import TwoSlopes, fit_two_slopes
+from ptl.measures.run_files import library_sizes, read_sizes
 from ptl.report.figures.bands import mean_band
 from ptl.report.figures.growth import growth_frame
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import map_digest
 
 TASKS = np.arange(31)
 
 
 def test_table_of_growth_files(tmp_path: Path) -> None:
-    world = GridWorld.from_text("I...A\n#.###\n#B.C#\n")
-    parameters = Parameters.from_dict({"learning": {"episodes": 12}, "subgoals": {"trajectories": 5}})
-    expected = []
-    for run in (0, 1):
-        life = grow_library(world, 4, parameters, 7, "tiny", run)
-        origin = {
-            "environment": "tiny", "method": METHOD, "seed": run, "root_seed": 7, "parameters": parameters.to_dict(),
-            "code": code_digest("ptl.learning.growth", f"ptl.methods.{METHOD}"),
-        }  # fmt: skip
-        write_growth(tmp_path / f"run_{run:03d}.h5", life, world, origin)
-        expected.append([0, *np.cumsum([record.update.subgoal >= 0 for record in life.records])])
-    write_csv(library_sizes(sorted(tmp_path.glob("*.h5"))), tmp_path / "growth.csv")
+    worlds, maps, expected, results = {"rooms": ROOMS}, {"rooms": map_digest(ROOMS.text)}, [], []
+    for seed in (0, 1):
+        groups = {name: QUICK.to_dict()[name] for name in Grow.READS}
+        job = Grow(root_seed=7, parameters=groups, maps=maps, code="0" * 16, environment="rooms", tasks=4, seed=seed)
+        store.write(tmp_path / job.place, job, job.run(worlds), worlds)
+        results.append(store.read(tmp_path / job.place, job))
+        after = results[-1].arrays["library/learned_after"]
+        expected.append([np.count_nonzero(after < task) for task in range(5)])
+    write_csv(library_sizes(results), tmp_path / "growth.csv")
     np.testing.assert_array_equal(read_sizes(tmp_path / "growth.csv"), expected)
+    assert np.max(expected) > 0
 
 
 @pytest.mark.parametrize(

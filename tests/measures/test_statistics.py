@@ -12,6 +12,7 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.measures import statistics
+from ptl.measures.run_files import read_per_seed
 from ptl.measures.statistics import Resampling, named_generator, summarise
 
 HOW = Resampling(confidence=0.95, resamples=500)
@@ -306,7 +307,7 @@ def test_per_seed_table_survives_the_file(tmp_path):
     thresholds = {"no_transfer": [np.nan] * 4, "ptl": [30.0, np.nan, 50.0, 60.0]}
     frame = per_seed(RUN, environment="NA", thresholds=thresholds)
     frame.to_csv(tmp_path / "per_seed.csv", index=False)
-    read = statistics.read_per_seed(tmp_path / "per_seed.csv")
+    read = read_per_seed(tmp_path / "per_seed.csv")
     pd.testing.assert_frame_equal(summarise(read, HOW), summarise(frame, HOW))
 
 
@@ -319,7 +320,7 @@ def test_rows_keep_their_order():
 
 def test_missing_per_seed_table_is_named(tmp_path):
     with pytest.raises(UserError, match=r"nowhere\.csv"):
-        statistics.read_per_seed(tmp_path / "nowhere.csv")
+        read_per_seed(tmp_path / "nowhere.csv")
 
 
 def test_probability_of_improvement_counts_every_pair_once():

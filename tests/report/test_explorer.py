@@ -7,15 +7,19 @@ import gzip
 import hashlib
 import json
 import re
+from pathlib import Path
 
+import msgspec
 import numpy as np
 import pytest
-from explorer_runs import METHODS, PARAMETERS, SEEDS, TITLES, learn, origin, write_runs
+from explorer_runs import METHODS, PARAMETERS, SEEDS, TITLES, WORLDS, chain_job, opened, write_runs
+from lives import read_lives
 
 from ptl import methods
 from ptl.agent.policies import greedy_policy
 from ptl.errors import UserError
-from ptl.files.results import open_learning, write_learning
+from ptl.files import store
+from ptl.files.store import Result
 from ptl.methods._base import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
 from ptl.methods.ptl import Method as PartialTransfer
@@ -30,7 +34,7 @@ def paths(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def data(paths):
-    return collect(paths, window=10, titles=TITLES)
+    return collect(read_lives(*paths), window=10, titles=TITLES)
 
 
 def actions_of(letters):
@@ -41,6 +45,13 @@ def actions_of(letters):
 def run_of(data, environment, method, seed):
     [entry] = [entry for entry in data["environments"] if entry["name"] == environment]
     return entry["runs"][f"{method}/{seed}"]
+
+
+def tasks_of(job, arrays, **options):
+    """Tasks of the data set of one life on the chain of rooms that is in memory."""
+    result = Result(Path("life.h5"), job, arrays, {"chain": WORLDS["chain"].text}, {})
+    data = collect([result], window=10, **options)
+    return run_of(data, "chain", job.method, job.seed)["tasks"]
 
 
 # -- data against files -------------------------------------------------------------------------------------
@@ -64,7 +75,7 @@ def test_order_titles_and_methods(data):
 
 def test_the_order_given_is_the_order_of_the_page(paths):
     """Files that are named in another order reorder the page; tasks stay in the order in which they were learned."""
-    turned = collect(paths[::-1], window=7)
+    turned = collect(read_lives(*paths[::-1]), window=7)
     assert turned["window"] == 7
     assert [entry["name"] for entry in turned["environments"]] == ["flat", "chain"]
     for entry in turned["environments"]:
@@ -75,23 +86,23 @@ def test_the_order_given_is_the_order_of_the_page(paths):
 def test_every_array_is_that_of_the_file(data, paths):
     skills = 0
     for path in paths:
-        with open_learning(path) as file:
-            run = run_of(data, file.environment, file.method, file.seed)
-            for index, (stored, task) in enumerate(zip(run["tasks"], file.tasks.values(), strict=True)):
-                assert stored["steps"] == task.steps.tolist()
-                assert actions_of(stored["policy"]) == greedy_policy(task.q).tolist()
-                value = [0 if exponent is None else 10**exponent for exponent in stored["log10_value"]]
-                np.testing.assert_allclose(value, task.q.max(axis=1), rtol=1.2e-4)
-                np.testing.assert_allclose(stored["metric"], task.incremental, atol=5.1e-5)
-                assert stored["drawn"] == [task.selected_in(episode) for episode in range(len(task.steps))]
-                assert stored["truncated"] == np.flatnonzero(task.truncated).tolist()
-                assert stored["first"]["informed"] == (file.method == "full_transfer" and index > 0)
-                for key in ("name", "start", "goal", "subgoal", "reason"):
-                    assert stored[key] == getattr(task, key)
-            for stored, skill in zip(run["skills"], file.library or [], strict=True):
-                assert (stored["subgoal"], stored["after"]) == (skill.subgoal, skill.learned_after)
-                assert actions_of(stored["policy"]) == skill.policy.tolist()
-                skills += 1
+        file = opened(path)
+        run = run_of(data, file.job.environment, file.job.method, file.job.seed)
+        for index, (stored, task) in enumerate(zip(run["tasks"], file.tasks.values(), strict=True)):
+            assert stored["steps"] == task.steps.tolist()
+            assert actions_of(stored["policy"]) == greedy_policy(task.q).tolist()
+            value = [0 if exponent is None else 10**exponent for exponent in stored["log10_value"]]
+            np.testing.assert_allclose(value, task.q.max(axis=1), rtol=1.2e-4)
+            np.testing.assert_allclose(stored["metric"], task.incremental, atol=5.1e-5)
+            assert stored["drawn"] == [task.selected_in(episode) for episode in range(len(task.steps))]
+            assert stored["truncated"] == np.flatnonzero(task.truncated).tolist()
+            assert stored["first"]["informed"] == (file.job.method == "full_transfer" and index > 0)
+            for key in ("name", "start", "goal", "subgoal", "reason"):
+                assert stored[key] == getattr(task, key)
+        for stored, skill in zip(run["skills"], file.library or [], strict=True):
+            assert (stored["subgoal"], stored["after"]) == (skill.subgoal, skill.learned_after)
+            assert actions_of(stored["policy"]) == skill.policy.tolist()
+            skills += 1
     assert skills > 4  # the small runs do find subgoals
 
 
@@ -109,47 +120,47 @@ def walk(world, start, letters):
 def test_first_episodes_lead_to_the_goal_in_the_stored_number_of_steps(data, paths):
     whole = guided = 0
     for path in paths:
-        with open_learning(path) as file:
-            for task in run_of(data, file.environment, file.method, file.seed)["tasks"]:
-                length, first = task["steps"][0], task["first"]
-                visited = walk(file.world, task["start"], first["actions"])
-                assert len(first["actions"]) == min(length, replay.RECORDED_STEPS)
-                assert sum(steps for _, steps in first["parts"]) == length
-                if length <= replay.RECORDED_STEPS:
-                    assert visited.index(task["goal"]) == length
-                    whole += 1
-                guides = [candidate for candidate, _ in first["parts"] if candidate]
-                assert guides == [candidate for candidate in task["drawn"][0] if candidate]
-                guided += len(guides)
+        file = opened(path)
+        for task in run_of(data, file.job.environment, file.job.method, file.job.seed)["tasks"]:
+            length, first = task["steps"][0], task["first"]
+            visited = walk(file.world, task["start"], first["actions"])
+            assert len(first["actions"]) == min(length, replay.RECORDED_STEPS)
+            assert sum(steps for _, steps in first["parts"]) == length
+            if length <= replay.RECORDED_STEPS:
+                assert visited.index(task["goal"]) == length
+                whole += 1
+            guides = [candidate for candidate, _ in first["parts"] if candidate]
+            assert guides == [candidate for candidate in task["drawn"][0] if candidate]
+            guided += len(guides)
     assert whole > 20 and guided > 5
 
 
 def test_a_skill_leads_to_its_subgoal_in_its_part_of_the_episode(data, paths):
     led = 0
     for path in paths:
-        with open_learning(path) as file:
-            if not file.library:
-                continue
-            for task in run_of(data, file.environment, file.method, file.seed)["tasks"]:
-                visited = walk(file.world, task["start"], task["first"]["actions"])
-                begin = 0
-                for candidate, steps in task["first"]["parts"]:
-                    if candidate:
-                        skill = file.library[candidate - 1]
-                        part = visited[begin : begin + steps + 1]
-                        taken = actions_of(task["first"]["actions"][begin : begin + steps])
-                        assert taken == [skill.policy[state] for state in part[: len(taken)]]
-                        assert skill.subgoal not in part[:-1]
-                        end = part[-1]
-                        assert end in (skill.subgoal, task["goal"]) or skill.policy[end] < 0
-                        led += steps
-                    begin += steps
+        file = opened(path)
+        if not file.library:
+            continue
+        for task in run_of(data, file.job.environment, file.job.method, file.job.seed)["tasks"]:
+            visited = walk(file.world, task["start"], task["first"]["actions"])
+            begin = 0
+            for candidate, steps in task["first"]["parts"]:
+                if candidate:
+                    skill = file.library[candidate - 1]
+                    part = visited[begin : begin + steps + 1]
+                    taken = actions_of(task["first"]["actions"][begin : begin + steps])
+                    assert taken == [skill.policy[state] for state in part[: len(taken)]]
+                    assert skill.subgoal not in part[:-1]
+                    end = part[-1]
+                    assert end in (skill.subgoal, task["goal"]) or skill.policy[end] < 0
+                    led += steps
+                begin += steps
     assert led > 50
 
 
 def test_long_first_episodes_are_cut(paths, monkeypatch, data):
     monkeypatch.setattr(replay, "RECORDED_STEPS", 30)
-    cut = collect(paths[:1], window=10)["environments"][0]["runs"]
+    cut = collect(read_lives(*paths[:1]), window=10)["environments"][0]["runs"]
     [(name, run)] = cut.items()
     whole = data["environments"][0]["runs"][name]
     for short, full in zip(run["tasks"], whole["tasks"], strict=True):
@@ -169,7 +180,7 @@ def test_long_first_episodes_are_cut(paths, monkeypatch, data):
         ("policy_reuse", PolicyReuse, lambda method: method.arm_probabilities()),
     ],
 )
-def test_replayed_probabilities_are_those_of_the_run(name, kind, now, tmp_path, monkeypatch):
+def test_replayed_probabilities_are_those_of_the_run(name, kind, now, monkeypatch):
     """The probabilities are noted while the method learns, then compared with those of the data set."""
     noted = []
     run_episode = kind.run_episode
@@ -178,12 +189,11 @@ def test_replayed_probabilities_are_those_of_the_run(name, kind, now, tmp_path, 
         noted.append(now(method))
         return run_episode(method, learner)
 
+    job = chain_job(name, 1)
     with monkeypatch.context() as patch:
         patch.setattr(kind, "run_episode", note_and_run)
-        life, world = learn("chain", name, 1)
-    path = tmp_path / "run.h5"
-    write_learning(path, life, world, origin("chain", name, 1))
-    tasks = collect([path], window=10)["environments"][0]["runs"][f"{name}/1"]["tasks"]
+        arrays = job.run(WORLDS)
+    tasks = tasks_of(job, arrays)
     episodes = PARAMETERS.learning.episodes
     widths = set()
     for index, task in enumerate(tasks):
@@ -204,6 +214,7 @@ def test_the_supervisor_names_what_was_drawn(data):
 class OwnRule(PartialTransfer):
     """A method whose rule of drawing the explorer cannot know."""
 
+    name = "own"
     label, colour = "Own rule", "#123456"
 
     def draw_skill(self) -> int:
@@ -213,6 +224,7 @@ class OwnRule(PartialTransfer):
 class OwnGuide(BaseMethod):
     """A method that follows a policy of its own."""
 
+    name = "own"
     label, colour = "Own guide", "#654321"
 
     def run_episode(self, learner) -> list[int]:
@@ -225,6 +237,7 @@ class OwnGuide(BaseMethod):
 class OwnSteps(BaseMethod):
     """Chooses each step itself."""
 
+    name = "own"
     label, colour = "Own steps", "#abcdef"
 
     def run_episode(self, learner) -> list[int]:
@@ -233,76 +246,73 @@ class OwnSteps(BaseMethod):
         return []
 
 
-@pytest.fixture
-def own_methods(monkeypatch):
-    load = methods.load
-    own = {"own_rule": OwnRule, "own_guide": OwnGuide, "own_steps": OwnSteps}
-    monkeypatch.setattr(methods, "load", lambda name: own.get(name) or load(name))
-
-
-def collect_own(method, folder):
+def learned_by(kind, monkeypatch):
+    """A job of a method from elsewhere, and what it learns."""
     parameters = PARAMETERS.replace(learning__max_steps=2000)
-    life, world = learn("chain", method, 0, parameters)
-    write_learning(folder / "own.h5", life, world, origin("chain", method, 0, parameters))
-    data = collect([folder / "own.h5"], window=10)
-    return data["methods"][method], data["environments"][0]["runs"][f"{method}/0"]["tasks"]
+    job = msgspec.structs.replace(chain_job("ptl", parameters=parameters), method="own", reference="own.py")
+    with monkeypatch.context() as patch:
+        patch.setattr(methods, "load", lambda reference: kind)
+        return job, job.run(WORLDS)
 
 
-def test_a_method_with_its_own_rule_shows_no_probabilities(own_methods, tmp_path):
-    look, tasks = collect_own("own_rule", tmp_path)
-    assert look == {"label": "Own rule", "colour": "#123456", "guides": "skills"}
+def test_a_method_with_its_own_rule_shows_no_probabilities(monkeypatch):
+    tasks = tasks_of(*learned_by(OwnRule, monkeypatch), kinds={"own": OwnRule})
     assert [task["chances"] for task in tasks] == [None] * 3
     assert [task["steps"][0] for task in tasks] == [len(task["first"]["actions"]) for task in tasks]
 
 
-def test_single_steps_of_the_first_episode_make_one_part(own_methods, tmp_path):
-    _, tasks = collect_own("own_steps", tmp_path)
-    for task in tasks:
+def test_single_steps_of_the_first_episode_make_one_part(monkeypatch):
+    for task in tasks_of(*learned_by(OwnSteps, monkeypatch), kinds={"own": OwnSteps}):
         assert task["first"]["parts"] == [[0, task["steps"][0]]]
         assert len(task["first"]["actions"]) == task["steps"][0]
 
 
-def test_a_method_with_its_own_guide_shows_its_first_episode(own_methods, tmp_path):
-    look, tasks = collect_own("own_guide", tmp_path)
-    assert look["guides"] == "none"
-    for task in tasks:
+def test_a_method_with_its_own_guide_shows_its_first_episode(monkeypatch):
+    for task in tasks_of(*learned_by(OwnGuide, monkeypatch), kinds={"own": OwnGuide}):
         (guide, steps), (none, rest) = task["first"]["parts"]
         assert (guide, none) == (replay.OWN_GUIDE, 0)
         assert task["first"]["actions"][:steps] == "N" * steps
         assert steps + rest == task["steps"][0] == len(task["first"]["actions"])
 
 
-def test_a_method_that_has_changed_since_is_refused_by_its_name(own_methods, tmp_path, monkeypatch):
-    collect_own("own_guide", tmp_path)
+def test_looks_are_those_of_the_class(monkeypatch, tmp_path):
+    job, arrays = learned_by(OwnRule, monkeypatch)
+    store.write(tmp_path / "own.h5", job, arrays, {"chain": WORLDS["chain"]})
+    data = collect(read_lives(tmp_path / "own.h5"), window=10, kinds={"own": OwnRule})
+    assert data["methods"] == {"own": {"label": "Own rule", "colour": "#123456", "guides": "skills"}}
+
+
+def test_a_method_that_has_changed_since_is_refused_by_its_name(monkeypatch):
+    learned = learned_by(OwnGuide, monkeypatch)
     monkeypatch.setattr(OwnGuide, "run_episode", lambda method, learner: [])
     with pytest.raises(UserError, match="method 'Own guide': run_episode returned in episode 1"):
-        collect([tmp_path / "own.h5"], window=10)
+        tasks_of(*learned, kinds={"own": OwnGuide})
 
 
 # -- bad input ----------------------------------------------------------------------------------------------
 
 
-def altered_steps(record):
-    record.steps[4] += 1
+def altered_steps(arrays):
+    arrays["tasks/A/steps"][4] += 1
 
 
-def altered_draws(record):
-    record.selected[4] = [0, *record.selected[4]]
+def altered_draws(arrays):
+    arrays["tasks/A/selected"][4] += 1
 
 
-def altered_values(record):
-    record.q[record.task.start, 0] += 1e-12
+def altered_values(arrays):
+    arrays["tasks/A/q"][0, 0] += 1e-12
 
 
 @pytest.mark.parametrize(
     ("alter", "name"), [(altered_steps, "steps"), (altered_draws, "draws"), (altered_values, "values")]
 )
-def test_a_life_that_cannot_be_learned_again_is_refused(alter, name, tmp_path):
-    life, world = learn("chain", "ptl", 0)
-    alter(life.records[1])
-    write_learning(tmp_path / "odd.h5", life, world, origin("chain", "ptl", 0))
-    with pytest.raises(UserError, match=rf"odd\.h5: task A learned again gives other {name} than the file holds"):
-        collect([tmp_path / "odd.h5"], window=10)
+def test_a_life_that_cannot_be_learned_again_is_refused(alter, name):
+    job = chain_job("ptl", 0)
+    arrays = job.run(WORLDS)
+    alter(arrays)
+    with pytest.raises(UserError, match=rf"life\.h5: task A learned again gives other {name} than the file has"):
+        tasks_of(job, arrays)
 
 
 def test_no_file():
@@ -310,38 +320,11 @@ def test_no_file():
         collect([], window=10)
 
 
-def test_a_missing_seed_is_named(paths):
-    with pytest.raises(UserError, match="chain/no_transfer: no file of seed 8"):
-        collect([paths[0], *paths[2:4]], window=10)
-
-
-def test_a_file_given_twice(paths):
-    with pytest.raises(UserError, match="given twice"):
-        collect([paths[0], paths[0]], window=10)
-
-
-def test_files_of_two_runs(paths, tmp_path):
-    parameters = PARAMETERS.replace(learning__alpha=0.5)
-    life, world = learn("chain", "ptl", 3, parameters)
-    write_learning(tmp_path / "other.h5", life, world, origin("chain", "ptl", 3, parameters))
-    with pytest.raises(UserError, match=r"other\.h5: its parameters differ"):
-        collect([paths[0], tmp_path / "other.h5"], window=10)
-
-
-def test_a_damaged_file(paths, tmp_path):
-    damaged = tmp_path / "damaged.h5"
-    content = bytearray(paths[0].read_bytes())
-    content[len(content) // 2] ^= 0xFF
-    damaged.write_bytes(content)
-    with pytest.raises(UserError, match=r"damaged\.h5: damaged"):
-        collect([damaged], window=10)
-
-
 # -- the page -----------------------------------------------------------------------------------------------
 
 
 def test_equal_data_give_equal_bytes(paths, data):
-    assert page.build(collect(paths, window=10, titles=TITLES)) == page.build(data)
+    assert page.build(collect(read_lives(*paths), window=10, titles=TITLES)) == page.build(data)
 
 
 def test_the_page_refers_to_nothing_outside(data):

@@ -10,7 +10,8 @@ from urllib.parse import quote
 import matplotlib as mpl
 import numpy as np
 import pytest
-from explorer_runs import METHODS, SEEDS, TITLES, write_runs
+from explorer_runs import METHODS, SEEDS, TITLES, opened, write_runs
+from lives import read_lives
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import Select, WebDriverWait
@@ -18,7 +19,6 @@ from selenium.webdriver.support.ui import Select, WebDriverWait
 from ptl.agent._selection import SkillSelection
 from ptl.agent.policies import greedy_policy
 from ptl.agent.selection import prior
-from ptl.files.results import open_learning
 from ptl.report.explorer import replay
 from ptl.report.explorer.data import collect
 from ptl.report.explorer.page import PURE_MODULES, build, bundle, pack
@@ -40,7 +40,7 @@ def files(tmp_path_factory):
 @pytest.fixture(scope="module")
 def address(files):
     page = files[0].parents[2] / "explorer.html"
-    page.write_text(build(collect(files, window=WINDOW, titles=TITLES)), encoding="utf-8")
+    page.write_text(build(collect(read_lives(*files), window=WINDOW, titles=TITLES)), encoding="utf-8")
     return page.as_uri()
 
 
@@ -130,7 +130,7 @@ def page(browser, address):
 def read(files):
     """The learning file of an environment, method and seed."""
     by_name = {(path.parts[-3], path.parts[-2], int(path.stem[-3:])): path for path in files}
-    return lambda *name: open_learning(by_name[name])
+    return lambda *name: opened(by_name[name])
 
 
 # -- the scripts that only compute ---------------------------------------------------------------------------
@@ -163,17 +163,18 @@ def test_opened_records_are_those_of_the_file(browser, files, read):
               guides: record.guides.map((guide) => [guide.subgoal, guide.from])});
       });
     """
-    shown = browser.execute_async_script(bundle(PURE_MODULES) + script, pack(collect(files, window=WINDOW)))
-    with read("chain", "ptl", 3) as file:
-        task = file.tasks["B"]
-        np.testing.assert_allclose(shown["value"], task.q.max(axis=1), rtol=1.2e-4)
-        assert shown["policy"] == greedy_policy(task.q).tolist()
-        assert (shown["path"][0], shown["path"][-1]) == (task.start, task.goal)
-        assert len(shown["path"]) == task.steps[0] + 1
-        assert all(after in file.world.successors[state] for state, after in pairwise(shown["path"]))
-        skills = [skill for skill in file.library if skill.learned_after < 2]
-        assert shown["guides"] == [[skill.subgoal, "CA"[skill.learned_after]] for skill in skills]
-        assert skills
+    packed = pack(collect(read_lives(*files), window=WINDOW))
+    shown = browser.execute_async_script(bundle(PURE_MODULES) + script, packed)
+    file = read("chain", "ptl", 3)
+    task = file.tasks["B"]
+    np.testing.assert_allclose(shown["value"], task.q.max(axis=1), rtol=1.2e-4)
+    assert shown["policy"] == greedy_policy(task.q).tolist()
+    assert (shown["path"][0], shown["path"][-1]) == (task.start, task.goal)
+    assert len(shown["path"]) == task.steps[0] + 1
+    assert all(after in file.world.successors[state] for state, after in pairwise(shown["path"]))
+    skills = [skill for skill in file.library if skill.learned_after < 2]
+    assert shown["guides"] == [[skill.subgoal, "CA"[skill.learned_after]] for skill in skills]
+    assert skills
 
 
 # -- what is shown against the files -------------------------------------------------------------------------
@@ -195,16 +196,16 @@ def test_facts_of_every_choice(page, read, environment):
     page.select("#seed", str(SEEDS[1]))
     for method in METHODS:
         page.select("#stage1 select", method)
-        with read(environment, method, SEEDS[1]) as file:
-            letter = "BA"[METHODS.index(method) % 2]
-            task = file.tasks[letter]
-            page.choose(f"input[name=task][value={letter}]")
-            assert page.number("#stage1 [data-fact=first]") == task.steps[0]
-            assert page.number("#stage1 [data-fact=total]") == task.steps.sum()
-            last = task.steps[-WINDOW:].mean()
-            assert page.number("#stage1 [data-fact=last]") == pytest.approx(last, rel=6e-4)
-            assert page.text("#stage1 dt.last") == f"Last {WINDOW}, mean"
-            assert f"on average in its last {WINDOW};" in page.text("#finding")
+        file = read(environment, method, SEEDS[1])
+        letter = "BA"[METHODS.index(method) % 2]
+        task = file.tasks[letter]
+        page.choose(f"input[name=task][value={letter}]")
+        assert page.number("#stage1 [data-fact=first]") == task.steps[0]
+        assert page.number("#stage1 [data-fact=total]") == task.steps.sum()
+        last = task.steps[-WINDOW:].mean()
+        assert page.number("#stage1 [data-fact=last]") == pytest.approx(last, rel=6e-4)
+        assert page.text("#stage1 dt.last") == f"Last {WINDOW}, mean"
+        assert f"on average in its last {WINDOW};" in page.text("#finding")
     assert page.view["environment"] == environment
     assert page.text("#environment option:checked") == TITLES[environment]
 
@@ -213,12 +214,12 @@ def test_facts_of_every_choice(page, read, environment):
 def test_value_and_action_of_a_cell(page, read, place):
     stage, method = (1, "ptl") if place != "beside the start" else (2, "no_transfer")
     page.open(environment="flat", task="B", seed=3, mode="greedy")
-    with read("flat", method, 3) as file:
-        task, world = file.tasks["B"], file.world
-        value, policy = task.q.max(axis=1), greedy_policy(task.q)
-        path = [task.start]
-        for action in path_towards(world, task.start, task.goal):
-            path.append(int(world.successors[path[-1], action]))
+    file = read("flat", method, 3)
+    task, world = file.tasks["B"], file.world
+    value, policy = task.q.max(axis=1), greedy_policy(task.q)
+    path = [task.start]
+    for action in path_towards(world, task.start, task.goal):
+        path.append(int(world.successors[path[-1], action]))
     state = {"beside the goal": path[-2], "on the way": path[len(path) // 2], "beside the start": path[1]}[place]
     spoken = page.read_cell(stage, state, world)
     assert page.text(f"#stage{stage} .cell") == spoken
@@ -236,23 +237,23 @@ def test_value_and_action_of_a_cell(page, read, place):
 def test_probabilities_at_the_cursor(page, read):
     """Worked out here from the stored draws and steps with the package's own selection."""
     page.open(environment="chain", task="B", seed=8)
-    with read("chain", "ptl", 8) as file:
-        task, world = file.tasks["B"], file.world
-        subgoals = [task.start, *[skill.subgoal for skill in file.library if skill.learned_after < 2]]
-        selection = SkillSelection(prior(world.cells, subgoals, task.goal, world.diagonal))
-        for episode in range(1, len(task.steps) + 1):
-            if episode in (1, 2, 3, 12, 40):
-                page.run(
-                    "const c = document.getElementById('cursor'); c.value = arguments[0];"
-                    " c.dispatchEvent(new Event('input'))",
-                    episode,
-                )
-                np.testing.assert_allclose(page.shares, selection.probabilities(), atol=5.1e-5)
-                assert page.number("#episode") == episode
-                steps = page.find("#curve-values li b").get_attribute("data-steps")
-                assert int(steps) == task.steps[episode - 1]
-                assert f"Episode {episode} drew" in page.text("#detail1 .drawn")
-            selection.record(task.selected_in(episode - 1), int(task.steps[episode - 1]))
+    file = read("chain", "ptl", 8)
+    task, world = file.tasks["B"], file.world
+    subgoals = [task.start, *[skill.subgoal for skill in file.library if skill.learned_after < 2]]
+    selection = SkillSelection(prior(world.cells, subgoals, task.goal, world.diagonal))
+    for episode in range(1, len(task.steps) + 1):
+        if episode in (1, 2, 3, 12, 40):
+            page.run(
+                "const c = document.getElementById('cursor'); c.value = arguments[0];"
+                " c.dispatchEvent(new Event('input'))",
+                episode,
+            )
+            np.testing.assert_allclose(page.shares, selection.probabilities(), atol=5.1e-5)
+            assert page.number("#episode") == episode
+            steps = page.find("#curve-values li b").get_attribute("data-steps")
+            assert int(steps) == task.steps[episode - 1]
+            assert f"Episode {episode} drew" in page.text("#detail1 .drawn")
+        selection.record(task.selected_in(episode - 1), int(task.steps[episode - 1]))
     assert len(subgoals) > 1
 
 
@@ -270,15 +271,15 @@ def test_choosing_a_skill_shows_its_arrows(page, read):
     WebDriverWait(page.driver, 5).until(lambda _: page.text("#stage1 pre"))
     rows = page.text("#stage1 pre").split("\n")
     assert page.view["guide"] == "1"
-    with read("chain", "ptl", 3) as file:
-        skill, world, task = file.library[0], file.world, file.tasks["B"]
-        marked = {task.start, task.goal, *[one.subgoal for one in file.library]}
-        for state, (row, column) in enumerate(world.cells):
-            if state not in marked:
-                assert rows[row][column] == ("↑↓←→"[skill.policy[state]] if skill.policy[state] >= 0 else "·")
-        row, column = world.cells[skill.subgoal]
-        assert rows[row][column] == "1"
-        assert [[letter == "#" for letter in line] for line in rows] == world.walls.tolist()
+    file = read("chain", "ptl", 3)
+    skill, world, task = file.library[0], file.world, file.tasks["B"]
+    marked = {task.start, task.goal, *[one.subgoal for one in file.library]}
+    for state, (row, column) in enumerate(world.cells):
+        if state not in marked:
+            assert rows[row][column] == ("↑↓←→"[skill.policy[state]] if skill.policy[state] >= 0 else "·")
+    row, column = world.cells[skill.subgoal]
+    assert rows[row][column] == "1"
+    assert [[letter == "#" for letter in line] for line in rows] == world.walls.tolist()
 
 
 # -- playing -------------------------------------------------------------------------------------------------
@@ -309,10 +310,10 @@ def expected_end(steps, state, goal):
 def test_the_learned_policy_plays(page, read, method):
     page.open(environment="chain", task="B", seed=3, method=method, mode="greedy", compare="no")
     page.find("#finish").click()
-    with read("chain", method, 3) as file:
-        task = file.tasks["B"]
-        steps, state = walk(file.world, greedy_policy(task.q), task.start, task.goal)
-        shortest = file.world.shortest_path_length(task.start, task.goal)
+    file = read("chain", method, 3)
+    task = file.tasks["B"]
+    steps, state = walk(file.world, greedy_policy(task.q), task.start, task.goal)
+    shortest = file.world.shortest_path_length(task.start, task.goal)
     shown = page.text("#stage1 .outcome")
     assert shown.startswith(expected_end(steps, state, task.goal))
     assert state != task.goal or shown.endswith(f"the shortest path has {shortest}.")
@@ -322,11 +323,11 @@ def test_the_learned_policy_plays(page, read, method):
 def test_a_guided_episode_plays(page, read):
     page.open(environment="chain", task="B", seed=3, guide=1, mode="guided", compare="no")
     page.find("#finish").click()
-    with read("chain", "ptl", 3) as file:
-        task, world, skill = file.tasks["B"], file.world, file.library[0]
-        lead, state = walk(world, skill.policy, task.start, task.goal, skill.subgoal)
-        assert state == skill.subgoal
-        rest, state = walk(world, greedy_policy(task.q), state, task.goal)
+    file = read("chain", "ptl", 3)
+    task, world, skill = file.tasks["B"], file.world, file.library[0]
+    lead, state = walk(world, skill.policy, task.start, task.goal, skill.subgoal)
+    assert state == skill.subgoal
+    rest, state = walk(world, greedy_policy(task.q), state, task.goal)
     assert page.text("#stage1 .outcome").startswith(
         expected_end(None if rest is None else lead + rest, state, task.goal)
     )
@@ -351,10 +352,10 @@ def test_first_episodes_are_those_of_the_files(page, read):
     page.open(environment="chain", task="B", seed=3)
     page.find("#finish").click()
     for stage, method in ((1, "ptl"), (2, "no_transfer")):
-        with read("chain", method, 3) as file:
-            task = file.tasks["B"]
-            shortest = file.world.shortest_path_length(task.start, task.goal)
-            expected = f"Goal B after {task.steps[0]:,} steps; the shortest path has {shortest}."
+        file = read("chain", method, 3)
+        task = file.tasks["B"]
+        shortest = file.world.shortest_path_length(task.start, task.goal)
+        expected = f"Goal B after {task.steps[0]:,} steps; the shortest path has {shortest}."
         assert page.text(f"#stage{stage} .outcome") == expected
     assert page.text("#legend-title").startswith("How often the cell was entered")
 
@@ -363,8 +364,8 @@ def test_a_first_episode_starts_from_a_blank_map_and_counts_visits(page, read):
     page.open(environment="chain", task="B", seed=3)
     for stage in (1, 2):
         assert "nothing is known of goal B" in page.text(f"#stage{stage} .outcome")
-    with read("chain", "ptl", 3) as file:
-        world, start = file.world, file.tasks["B"].start
+    file = read("chain", "ptl", 3)
+    world, start = file.world, file.tasks["B"].start
     script = """
       const {width, height} = document.querySelector("#stage1 canvas");
       const copy = new OffscreenCanvas(width, height).getContext("2d", {willReadFrequently: true});
@@ -387,7 +388,8 @@ def test_a_first_episode_starts_from_a_blank_map_and_counts_visits(page, read):
 
 
 def test_who_leads_in_a_first_episode_is_told(page, files):
-    data = collect([path for path in files if "ptl/" in str(path) and "chain" in str(path)], window=WINDOW)
+    [path] = [path for path in files if path.match("chain/ptl/seed_003.h5")]
+    data = collect(read_lives(path), window=WINDOW)
     tasks = data["environments"][0]["runs"]["ptl/3"]["tasks"]
     task = next(task for task in tasks if any(candidate for candidate, _ in task["first"]["parts"]))
     page.open(environment="chain", task=task["name"], seed=3)
@@ -408,11 +410,11 @@ def test_who_leads_in_a_first_episode_is_told(page, files):
 def test_a_cut_first_episode_says_so(browser, files, monkeypatch, tmp_path, read):
     monkeypatch.setattr(replay, "RECORDED_STEPS", 30)
     [path] = [path for path in files if path.match("chain/no_transfer/seed_003.h5")]
-    (tmp_path / "cut.html").write_text(build(collect([path], window=WINDOW)), encoding="utf-8")
+    (tmp_path / "cut.html").write_text(build(collect(read_lives(path), window=WINDOW)), encoding="utf-8")
     page = Page(browser, (tmp_path / "cut.html").as_uri()).open(task="B")
     page.find("#finish").click()
-    with read("chain", "no_transfer", 3) as file:
-        steps = file.tasks["B"].steps[0]
+    file = read("chain", "no_transfer", 3)
+    steps = file.tasks["B"].steps[0]
     assert page.text("#stage1 .outcome") == f"First 30 of {steps:,} steps recorded."
     assert page.text("#compare-note") and page.find("#compare-note").is_displayed()
 
@@ -424,8 +426,8 @@ def test_nothing_is_headlined_for_the_first_task(page):
 
 def test_comparison_names_the_better_method(page, read):
     page.open(environment="chain", task="B", seed=3)
-    with read("chain", "ptl", 3) as ours, read("chain", "no_transfer", 3) as base:
-        totals = {"PTL": ours.tasks["B"].steps.sum(), "No transfer": base.tasks["B"].steps.sum()}
+    ours, base = read("chain", "ptl", 3), read("chain", "no_transfer", 3)
+    totals = {"PTL": ours.tasks["B"].steps.sum(), "No transfer": base.tasks["B"].steps.sum()}
     less, more = sorted(totals, key=totals.get)
     factor = totals[more] / totals[less]
     said = f"{factor:.1f}" if factor < 10 else f"{factor:.0f}"
@@ -534,8 +536,8 @@ def test_the_button_overrides_the_scheme(page):
 
 def test_walls_are_drawn_as_walls_and_cells_by_their_value(page, read):
     page.open(environment="chain", task="B", seed=3, compare="no", mode="greedy")
-    with read("chain", "ptl", 3) as file:
-        world, task = file.world, file.tasks["B"]
+    file = read("chain", "ptl", 3)
+    world, task = file.world, file.tasks["B"]
     script = """
       const canvas = document.querySelector("#stage1 canvas");
       const unit = canvas.height / arguments[1];
@@ -550,8 +552,8 @@ def test_walls_are_drawn_as_walls_and_cells_by_their_value(page, read):
     wall, other_wall, cell = page.run(script, places, world.shape[0])
     expected = page.run("return getComputedStyle(document.documentElement).getPropertyValue('--wall')").strip()
     assert wall == other_wall == [int(expected[i : i + 2], 16) for i in (1, 3, 5)]
-    with read("chain", "ptl", 3) as file:
-        value = file.tasks["B"].q.max(axis=1)[beside]
+    file = read("chain", "ptl", 3)
+    value = file.tasks["B"].q.max(axis=1)[beside]
     steps = 1 + np.log(value) / np.log(0.95)
     place = 1 - min(1.0, np.log(max(1.0, steps)) / np.log(1000))
     viridis = 255 * np.array(mpl.colormaps["viridis"](place)[:3])

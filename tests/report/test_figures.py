@@ -7,24 +7,25 @@ from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
-import h5py
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
+from lives import job, read_lives, write_life
 
 from ptl import methods
 from ptl.agent.selection import prior
 from ptl.config import Learning, Parameters, Statistics
 from ptl.errors import UserError
-from ptl.files.arrays import write_arrays
-from ptl.files.results import open_learning, write_frequencies, write_learning
-from ptl.learning.life import learn_life, tasks_of
-from ptl.learning.survey import subgoal_frequencies
+from ptl.files import store
+from ptl.jobs.learn import skills_of, tasks_in
+from ptl.jobs.survey import Survey
 from ptl.measures.growth import TwoSlopes
-from ptl.report.figures import cells, figures, left_out, style
+from ptl.measures.run_files import read_steps, write_steps
+from ptl.report.figures import cells, figures, left_out, saving, style
 from ptl.report.figures.measures import trailing_mean
-from ptl.world.gridworld import GridWorld
+from ptl.report.script import Script
+from ptl.world.gridworld import GridWorld, map_digest
 
 MAP = """\
 #########
@@ -35,16 +36,22 @@ MAP = """\
 #......C#
 #########
 """
+SMALL = GridWorld.from_text(MAP, "small")
 PARAMETERS = Parameters.from_dict({"learning": {"episodes": 30}, "subgoals": {"trajectories": 10}})
 SEEDS, RUNS = 5, 5
 TWO_SLOPES = TwoSlopes(bend=7, intercept=0, before=3, after=1)
+LIVES = [job("ptl", seed, world=SMALL, parameters=PARAMETERS) for seed in range(SEEDS)]
+SURVEY = Survey(
+    root_seed=1, parameters={"learning": Learning().to_dict()}, maps={"small": map_digest(MAP)}, code="0" * 16,
+    environment="small", trajectories=5, starts=3,
+)  # fmt: skip
 
 
 @pytest.fixture(scope="module", autouse=True)
 def coarse_pictures() -> Iterator[None]:
     """Fewer dots than the published figures have, because painting dots takes time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(style, "PNG_RESOLUTION", 60)
+        patch.setattr(saving, "PNG_RESOLUTION", 60)
         yield
 
 
@@ -53,26 +60,15 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with one small input of every kind, real runs wherever runs are drawn."""
     folder = tmp_path_factory.mktemp("figures")
     (folder / "small.txt").write_text(MAP)
-    world = GridWorld.from_text(MAP)
-    for seed in range(SEEDS):
-        life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", seed)
-        origin = {
-            "environment": "small", "method": "ptl", "seed": seed, "root_seed": 1, "code": "0" * 16,
-            "parameters": PARAMETERS.to_dict(),
-        }  # fmt: skip
-        write_learning(folder / f"seed_{seed}.h5", life, world, origin)
-    arrays = subgoal_frequencies(world, np.arange(3), range(world.n_states), 5, Learning(), 1, "small")
-    origin = {
-        "environment": "small", "trajectories": 5, "starts": 3, "root_seed": 1, "code": "0" * 16,
-        "parameters": PARAMETERS.to_dict(),
-    }  # fmt: skip
-    write_frequencies(folder / "frequencies.h5", arrays, world, origin)
+    for work in LIVES:
+        write_life(folder, "ptl", work.seed, world=SMALL, parameters=PARAMETERS)
+    store.write(folder / SURVEY.place, SURVEY, SURVEY.run({"small": SMALL}), {"small": SMALL})
     random = np.random.default_rng(0)
     steps = {
-        f"small/{method}/C": random.poisson(np.geomspace(400 / (index + 1), 9, 60), size=(SEEDS, 60)) + 9
+        ("small", method, "C"): random.poisson(np.geomspace(400 / (index + 1), 9, 60), size=(SEEDS, 60)) + 9
         for index, method in enumerate(METHODS)
     }
-    write_arrays(folder / "steps.h5", "ptl-steps/1", steps, {"seeds": np.arange(len(next(iter(steps.values()))))})
+    write_steps(folder / "steps.h5", steps)
     tasks = np.arange(13)
     pd.DataFrame(
         {
@@ -97,9 +93,9 @@ GROUPS = {
 INPUTS = {
     "maps": {},
     "prior": {},
-    "misleading_prior": {"misleading_prior": [f"seed_{seed}.h5" for seed in range(SEEDS)]},
-    "frequencies": {"survey": ["frequencies.h5"]},
-    "discovery": {"learning": [f"seed_{seed}.h5" for seed in range(SEEDS)]},
+    "misleading_prior": {"misleading_prior": [work.place for work in LIVES]},
+    "frequencies": {"survey": [SURVEY.place]},
+    "discovery": {"learning": [work.place for work in LIVES]},
     "curves": {"steps": "steps.h5"},
     "measures": {"steps": "steps.h5"},
     "growth": {"growth": "growth.csv"},
@@ -110,8 +106,8 @@ INPUTS = {
 METHODS = ["no_transfer", "full_transfer", "policy_reuse", "ptl"]
 
 
-def job(kind: str, folder: Path, entry: dict | None = None, files: dict | None = None, **changes: dict) -> Job:
-    """A job of the workflow on the small inputs; ``changes`` go into the groups of the configuration."""
+def script(kind: str, folder: Path, entry: dict | None = None, files: dict | None = None, **changes: dict) -> Script:
+    """A script of the workflow on the small inputs; ``changes`` go into the groups of the configuration."""
 
     def placed(names: str | list[str]) -> str | list[str]:
         return str(folder / names) if isinstance(names, str) else [str(folder / name) for name in names]
@@ -122,19 +118,28 @@ def job(kind: str, folder: Path, entry: dict | None = None, files: dict | None =
     compared = ["no_transfer", "ptl"] if kind == "measures" else METHODS
     looks = {name: (methods.load(name).label, methods.load(name).colour) for name in compared}
     environments = {"small": SimpleNamespace(**(settings | (entry or {})))}
-    return Job(SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, compared, own_looks=looks)
+    return Script(
+        SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, compared, own_looks=looks,
+        jobs=[*LIVES, SURVEY],
+    )  # fmt: skip
 
 
-def draw(kind: str, output: Path, work: Job) -> None:
+def draw(kind: str, output: Path, given: Script) -> None:
     """Draw a figure as the workflow's script does."""
-    saving.save(*import_module(f"ptl.report.figures.{kind}").make(work), output)
+    saving.save(*import_module(f"ptl.report.figures.{kind}").make(given), output)
+
+
+@pytest.fixture(scope="module")
+def lives(inputs: Path) -> list[store.Result]:
+    """The learning files."""
+    return read_lives(*(inputs / work.place for work in LIVES))
 
 
 @pytest.fixture(scope="module")
 def frames(inputs: Path) -> dict[str, pd.DataFrame]:
     """The CSV twin of every figure, by module."""
     for kind in INPUTS:
-        draw(kind, inputs / "out" / f"{kind}.png", job(kind, inputs))
+        draw(kind, inputs / "out" / f"{kind}.png", script(kind, inputs))
     return {kind: pd.read_csv(inputs / "out" / f"{kind}.csv", keep_default_na=False, na_values=[""]) for kind in INPUTS}
 
 
@@ -145,7 +150,7 @@ def test_every_module_of_the_registry_is_tested() -> None:
         "environments": {"small": {"title": "", "article_items": {}}},
     }  # fmt: skip
     rows = figures(config, article=True)
-    assert {row.module for row in rows.values()} == {*INPUTS, "policy_reuse_experiment"}
+    assert {row.module for row in rows.values()} == {*INPUTS}
     assert set(figures({**config, "methods": ["no_transfer"]}, article=True)) == set(rows) - {
         "figure04", "discovery_small", "figure13",
     }  # fmt: skip
@@ -167,7 +172,7 @@ def test_same_inputs_give_the_same_bytes_whatever_the_settings(
     kind: str, inputs: Path, frames: dict[str, pd.DataFrame], tmp_path: Path
 ) -> None:
     with mpl.rc_context({"font.size": 30, "svg.hashsalt": None, "axes.grid": False, "savefig.bbox": "tight"}):
-        draw(kind, tmp_path / f"{kind}.png", job(kind, inputs))
+        draw(kind, tmp_path / f"{kind}.png", script(kind, inputs))
     for suffix in (".png", ".svg", ".csv"):
         again = (tmp_path / f"{kind}{suffix}").read_bytes()
         assert again == (inputs / "out" / f"{kind}{suffix}").read_bytes()
@@ -189,7 +194,7 @@ def test_picture_has_ink_and_nothing_is_cut_off(kind: str, inputs: Path, frames:
 
 
 def test_map_numbers(frames: dict[str, pd.DataFrame]) -> None:
-    world, frame = GridWorld.from_text(MAP), frames["maps"]
+    world, frame = SMALL, frames["maps"]
     assert frame["letter"].tolist() == ["I", "A", "B", "C"]
     assert frame["state"].tolist() == [world.start, *world.goals.values()]
     assert frame["shortest_path"].tolist() == [
@@ -198,24 +203,23 @@ def test_map_numbers(frames: dict[str, pd.DataFrame]) -> None:
 
 
 def test_prior_numbers(frames: dict[str, pd.DataFrame]) -> None:
-    world, frame = GridWorld.from_text(MAP), frames["prior"]
+    world, frame = SMALL, frames["prior"]
     distance = np.hypot(*(world.cells - world.cells[world.goal("C")]).T)
     np.testing.assert_allclose(frame["relative_prior"], np.exp(-distance / (0.1 * world.diagonal)), rtol=1e-5)
 
 
-def test_misleading_prior_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+def test_misleading_prior_numbers(lives: list[store.Result], frames: dict[str, pd.DataFrame]) -> None:
     frame = frames["misleading_prior"]
     np.testing.assert_allclose(frame.groupby("episode")["probability"].sum(), 1, rtol=1e-4)
     # the beginning is the prior
     expected: dict[str, list[float]] = {}
-    for seed in range(SEEDS):
-        with open_learning(inputs / f"seed_{seed}.h5") as file:
-            world, task = file.world, file.tasks["C"]
-            known = [skill for skill in file.library or [] if skill.learned_after < 2]
-            names = ["none", *("ABC"[skill.learned_after] for skill in known)]
-            states = [task.start, *(skill.subgoal for skill in known)]
-            for name, chance in zip(names, prior(world.cells, states, task.goal, world.diagonal), strict=True):
-                expected.setdefault(name, []).append(chance)
+    for result in lives:
+        task = tasks_in(result)["C"]
+        known = [skill for skill in skills_of(result.arrays) or [] if skill.learned_after < 2]
+        names = ["none", *("ABC"[skill.learned_after] for skill in known)]
+        states = [task.start, *(skill.subgoal for skill in known)]
+        for name, chance in zip(names, prior(SMALL.cells, states, task.goal, SMALL.diagonal), strict=True):
+            expected.setdefault(name, []).append(chance)
     first = frame[frame["episode"] == 1].set_index("skill")["probability"]
     assert set(first.index) == set(expected)
     assert len(expected) > 1
@@ -224,7 +228,7 @@ def test_misleading_prior_numbers(inputs: Path, frames: dict[str, pd.DataFrame])
 
 
 def test_misleading_prior_probabilities_are_those_the_learner_drew_from(
-    inputs: Path, monkeypatch: pytest.MonkeyPatch
+    lives: list[store.Result], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from ptl.methods.ptl import Method
     from ptl.report.figures import misleading_prior
@@ -237,9 +241,8 @@ def test_misleading_prior_probabilities_are_those_the_learner_drew_from(
         return original(self, learner)
 
     monkeypatch.setattr(Method, "run_episode", watched)
-    world = GridWorld.from_text(MAP)
-    learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 0)
-    frame = misleading_prior.collect([inputs / "seed_0.h5"], Statistics(), "C").frame
+    LIVES[0].run({"small": SMALL})
+    frame = misleading_prior.collect(lives[:1], Statistics(), "C").frame
     names = list(dict.fromkeys(frame["skill"]))
     table = frame.pivot_table(index="episode", columns="skill", values="probability")
     candidates = ["none", *(name for name in names if name != "none")]
@@ -247,45 +250,42 @@ def test_misleading_prior_probabilities_are_those_the_learner_drew_from(
 
 
 def test_frequency_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
-    frame = frames["frequencies"]
-    with h5py.File(inputs / "frequencies.h5") as file:
-        assert frame["count"].tolist() == file["counts"][()].tolist()
-        assert frame["count"].sum() + file["unresolved"][()] == file["pairs"][()]
-        np.testing.assert_allclose(frame["share"], 100 * file["counts"][()] / file["pairs"][()], rtol=1e-5)
+    frame, arrays = frames["frequencies"], store.read(inputs / SURVEY.place, SURVEY).arrays
+    assert frame["count"].tolist() == arrays["counts"].tolist()
+    assert frame["count"].sum() + arrays["unresolved"] == arrays["pairs"]
+    np.testing.assert_allclose(frame["share"], 100 * arrays["counts"] / arrays["pairs"], rtol=1e-5)
 
 
-def test_discovery_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+def test_discovery_numbers(lives: list[store.Result], frames: dict[str, pd.DataFrame]) -> None:
     for (task, metric), part in frames["discovery"].groupby(["task", "metric"]):
         values, chosen = [], np.zeros(len(part), dtype=int)
-        for seed in range(SEEDS):
-            with open_learning(inputs / f"seed_{seed}.h5") as file:
-                view = file.tasks[task]
-                values.append(getattr(view, metric))
-                choice = view.subgoal if metric == "incremental" else int(view.original.argmax())
-                if choice >= 0:
-                    chosen[choice] += 1
+        for result in lives:
+            view = tasks_in(result)[task]
+            values.append(getattr(view, metric))
+            choice = view.subgoal if metric == "incremental" else int(view.original.argmax())
+            if choice >= 0:
+                chosen[choice] += 1
         np.testing.assert_allclose(part["value"], np.mean(values, axis=0), rtol=1e-5)
         assert part["chosen"].tolist() == chosen.tolist()
     assert set(frames["discovery"]["task"]) == {"B", "C"}
 
 
 def test_curve_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
-    with h5py.File(inputs / "steps.h5") as file:
-        for method, part in frames["curves"].groupby("method"):
-            np.testing.assert_allclose(part["mean"], file[f"small/{method}/C"][()].mean(axis=0), rtol=1e-5)
-            assert (part["ci_low"] <= part["mean"] * 1.00001).all()
-            assert (part["ci_high"] >= part["mean"] * 0.99999).all()
+    steps = read_steps(inputs / "steps.h5")
+    for method, part in frames["curves"].groupby("method"):
+        np.testing.assert_allclose(part["mean"], steps["small", method, "C"].mean(axis=0), rtol=1e-5)
+        assert (part["ci_low"] <= part["mean"] * 1.00001).all()
+        assert (part["ci_high"] >= part["mean"] * 0.99999).all()
     assert set(frames["curves"]["method"]) == set(METHODS)
 
 
 def test_measure_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
-    world = GridWorld.from_text(MAP)
-    with h5py.File(inputs / "steps.h5") as file:
-        base, mine = (file[f"small/{method}/C"][()] for method in ("no_transfer", "ptl"))
+    steps = read_steps(inputs / "steps.h5")
+    base, mine = (steps["small", method, "C"] for method in ("no_transfer", "ptl"))
     row = frames["measures"].query("method == 'ptl'").iloc[-1]
     assert row["jump_start"] == pytest.approx((base[:, 0] - mine[:, 0]).mean(), rel=1e-5)
     assert row["asymptotic"] == pytest.approx(mine[:, -10:].mean(), rel=1e-5)
-    assert row["threshold"] == pytest.approx(1.5 * world.shortest_path_length(world.start, world.goal("C")))
+    assert row["threshold"] == pytest.approx(1.5 * SMALL.shortest_path_length(SMALL.start, SMALL.goal("C")))
     means = [mine[:, end - 10 : end].mean() for end in range(10, 61)]
     reached = [end for end, mean in enumerate(means, start=10) if mean <= row["threshold"]]
     assert row["threshold_episode"] == reached[0] if reached else np.isnan(row["threshold_episode"])
@@ -338,13 +338,13 @@ def test_pack_keeps_every_map_once_in_order_and_wide_ones_alone() -> None:
 @pytest.mark.parametrize("kind", ["maps", "prior"])
 def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
     (tmp_path / "odd.txt").write_text(text)
-    draw(kind, tmp_path / "odd.png", job(kind, tmp_path, {"map": str(tmp_path / "odd.txt"), "tasks": "A"}))
+    draw(kind, tmp_path / "odd.png", script(kind, tmp_path, {"map": str(tmp_path / "odd.txt"), "tasks": "A"}))
     assert len(pd.read_csv(tmp_path / "odd.csv")) == (2 if kind == "maps" else len(text.translate({10: "", 35: ""})))
 
 
 @pytest.mark.parametrize("kind", ["maps", "prior", "discovery", "curves", "measures", "frequencies"])
 def test_a_dollar_sign_in_a_title_starts_no_formula(kind: str, inputs: Path, tmp_path: Path) -> None:
-    draw(kind, tmp_path / "figure.png", job(kind, inputs, {"title": r"$\spam$ for $5"}))
+    draw(kind, tmp_path / "figure.png", script(kind, inputs, {"title": r"$\spam$ for $5"}))
     assert (tmp_path / "figure.png").is_file()
 
 
@@ -355,8 +355,6 @@ def test_a_dollar_sign_in_a_title_starts_no_formula(kind: str, inputs: Path, tmp
     ("kind", "entry", "changes", "words"),
     [
         ("prior", {"tasks": "Z"}, {}, "no goal 'Z'"),
-        ("discovery", {"discovery_tasks": "BX"}, {}, "no task X"),
-        ("curves", {"tasks": "A"}, {}, "no task 'A'"),
         ("measures", {}, {"measures": {"window": 61}}, "too few for a window of 61"),
         ("growth", {}, {"growth": {"breakpoint": 12}}, "12 is not allowed"),
     ],
@@ -365,27 +363,22 @@ def test_refusals_name_the_fault(
     kind: str, entry: dict, changes: dict, words: str, inputs: Path, tmp_path: Path
 ) -> None:
     with pytest.raises(UserError, match=words):
-        draw(kind, tmp_path / "figure.png", job(kind, inputs, entry, **changes))
+        draw(kind, tmp_path / "figure.png", script(kind, inputs, entry, **changes))
     assert list(tmp_path.iterdir()) == []
 
 
 def test_figures_end_in_png(inputs: Path, tmp_path: Path) -> None:
     with pytest.raises(UserError, match=r"end the name in \.png"):
-        draw("maps", tmp_path / "figure.pdf", job("maps", inputs))
+        draw("maps", tmp_path / "figure.pdf", script("maps", inputs))
 
 
-def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
-    text = MAP.replace("I..", ".I.")
-    world = GridWorld.from_text(text)
-    life = learn_life(world, tasks_of(world, "ABC"), "ptl", PARAMETERS, 1, "small", 9)
-    with open_learning(inputs / "seed_0.h5") as file:
-        origin = {name: file.file.attrs[name] for name in ("environment", "method", "seed", "root_seed", "code")}
-        origin["parameters"] = file.parameters
-    write_learning(tmp_path / "other.h5", life, world, origin)
-    for kind, name in (("discovery", "learning"), ("misleading_prior", "misleading_prior")):
-        files = {name: [str(inputs / "seed_0.h5"), str(tmp_path / "other.h5")]}
-        with pytest.raises(UserError, match="map"):
-            draw(kind, tmp_path / "figure.png", job(kind, inputs, files=files))
+@pytest.mark.parametrize(("kind", "name"), [("discovery", "learning"), ("misleading_prior", "misleading_prior")])
+def test_a_file_of_another_job_is_refused(kind: str, name: str, inputs: Path, tmp_path: Path) -> None:
+    """On another map here; each place has one job, so files of two runs are never drawn together."""
+    other = GridWorld.from_text(MAP.replace("I..", ".I."), "small")
+    files = {name: [inputs / LIVES[0].place, write_life(tmp_path, "ptl", 1, world=other, parameters=PARAMETERS)]}
+    with pytest.raises(UserError, match=r"seed_001\.h5: was made with another map of small"):
+        draw(kind, tmp_path / "figure.png", script(kind, inputs, files=files))
 
 
 @pytest.mark.parametrize(
@@ -395,12 +388,11 @@ def test_files_of_two_maps_are_not_mixed(inputs: Path, tmp_path: Path) -> None:
         ("growth", "growth", "run,tasks,library_size\n0,0,0\n0,1,1\n1,0,0\n", "different numbers of tasks"),
         ("growth", "growth", "", "cannot be read as CSV"),
         ("library_cost", "selection_cost", "skills,operations\n1,4\n", "two library sizes"),
-        ("library_cost", "selection_cost", "skills,operations\n1,4\n2,many\n", "'operations'"),
         ("library_cost", "library_bytes", "states,bytes\n1,1\n", "no column 'skills'"),
     ],
 )
 def test_bad_tables_are_refused(kind: str, name: str, text: str, words: str, inputs: Path, tmp_path: Path) -> None:
     (tmp_path / "bad.csv").write_text(text)
     with pytest.raises(UserError, match=words):
-        draw(kind, tmp_path / "figure.png", job(kind, inputs, files={name: str(tmp_path / "bad.csv")}))
+        draw(kind, tmp_path / "figure.png", script(kind, inputs, files={name: str(tmp_path / "bad.csv")}))
     assert [path.name for path in tmp_path.iterdir()] == ["bad.csv"]

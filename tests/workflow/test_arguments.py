@@ -8,31 +8,22 @@ import shutil
 
 import pytest
 from click.testing import CliRunner
-from projects import MAPS, ROOT
+from lives import job
+from projects import MAPS
 
 from ptl.cli import commands
 from ptl.errors import UserError
+from ptl.world.gridworld import GridWorld
 
-HUGE = "9" * 30
+HUGE, DEEP = "9" * 30, "[" * 10**5
 LEARN = ("learn", "--map", "env3.txt", "--tasks", "A")
-GROW = ("grow", "--map", "env3.txt", "--environment", "e", "--output", "x.h5", "--tasks", "3", "--run", "0",
-        "--root-seed", "1")  # fmt: skip
-SURVEY = ("survey", "batch", "--map", "env3.txt", "--environment", "e", "--output", "x.h5", "--batch", "0", "--batches",
-          "2", "--root-seed", "1")  # fmt: skip
-FV = ("fv", "--map", "env3.txt", "--library", "q_learning", "--root-seed", "1", "--output", "x.h5", "--seeds", "1")
-ROBUSTNESS, LIVES = ("robustness", "--output", "x.h5", "--job"), ("lives", "--output", "x.h5", "--job")
-FIT = ("fit", "--search", "fit.yaml", "--lives", "lives", "--output", "found", "--config")
+JOB = job("ptl", world=GridWorld.from_text((MAPS / "env3.txt").read_text(), "env3"), tasks="AB").text
+RUN = ("run", "--output", "x.h5", "--map", "env3=env3.txt", "--job")
 
 
-CELL = {"family": "cave", "size": 300, "sequence": "increasing", "maps": [4000], "seeds": 1, "method": "ptl"}
-JOB = {
-    "cell": CELL, "maps": "", "root_seed": 1, "population": str(ROOT / "config/population.csv"),
-    "parameters": {"learning": {"episodes": 5}},
-}  # fmt: skip
-ODD_CELLS = (
-    {"family": "sea"}, {"maps": [1]}, {"maps": ["x"]}, {"maps": []}, {"sequence": "none"}, {"seeds": 0}, {"size": -1},
-    {"per_task": 2, "method": "no_transfer"}, {"method": "none"}, {"odd": 1},
-)  # fmt: skip
+def changed(**values: object) -> str:
+    """The job with other values."""
+    return json.dumps({**json.loads(JOB), **values})
 
 
 @pytest.mark.parametrize(
@@ -42,34 +33,28 @@ ODD_CELLS = (
         (*LEARN, "--seed", "1.0"), (*LEARN, "--output", ""), (*LEARN, "--environment", "{", "--output", "x.h5"),
         (*LEARN, "--map", "{"), (*LEARN, "--parameters", "{"), (*LEARN, "--parameters", '{"learning": {"alpha": NaN}}'),
         (*LEARN, "--method-parameters", "["), (*LEARN, "--method", "{"),
-        (*GROW, "--tasks", HUGE), (*GROW, "--run", HUGE), (*GROW, "--root-seed", HUGE), (*GROW, "--output", ""),
-        (*SURVEY, "--batches", HUGE), (*SURVEY, "--starts", HUGE), (*SURVEY, "--starts", "9" * 5000),
-        (*SURVEY, "--starts", "{"),
-        (*SURVEY, "--trajectories", HUGE), (*SURVEY, "--root-seed", HUGE), (*SURVEY, "--batch", "2"),
-        ("survey", "merge", "none.h5", "--output", "x.h5"),
-        (*FV, "--seeds", HUGE), (*FV, "--trials", HUGE), (*FV, "--library-trials", HUGE), (*FV, "--library", "{"),
-        *((*command, text) for command in (ROBUSTNESS, LIVES) for text in ("{", "{}", "[]", "1", "[" * 10**5)),
-        (*ROBUSTNESS, '{"setting": "a", "environments": {}, "methods": ["none"], "seeds": 1, "root_seed": 1,'
-                      ' "parameters": {}, "step_budget": 1, "growth": {}}'),
-        (*LIVES, '{"cell": {"family": 1}, "maps": "", "parameters": {}, "population": "", "root_seed": 1}'),
-        *((*LIVES, json.dumps({**JOB, "cell": {**CELL, **odd}})) for odd in ODD_CELLS),
-        (*LIVES, json.dumps({**JOB, "root_seed": -7})), (*LIVES, json.dumps({**JOB, "root_seed": 10**30})),
-        (*LEARN, "--parameters", "[" * 10**5),
-        (*FIT, "{"), (*FIT, "{}"), (*FIT[:2], "none", *FIT[3:], "{}"),
-        (*FIT[:2], "pipe", *FIT[3:], "{}"), (*FIT[:2], "bytes", *FIT[3:], "{}"),
-        ("readme",), ("config-docs", "none"), ("config-docs", "pipe"), ("config-docs", "bytes"),
-        ("population", "--maps", "folder", "none"), ("population", "--maps", "folder", "pipe"), ("show-map", "{"),
+        *((*RUN, text) for text in ("{", "{}", "[]", "1", "", DEEP, JOB[:-1], '{"kind": "flying/1"}')),
+        *((*RUN, changed(**{name: odd})) for name in ("seed", "root_seed") for odd in (-7, 10**30, "1", 1.5, None)),
+        *((*RUN, changed(tasks=odd)) for odd in ("", "AA", "AZ", "{", 7)),
+        *((*RUN, changed(method=odd, reference=odd)) for odd in ("none", "{", "none.py", "none:None")),
+        *((*RUN, changed(parameters=odd)) for odd in ([], {"lerning": {}}, {"learning": {"alpha": 5}}, {"skills": 3})),
+        *((*RUN, changed(own=odd)) for odd in ([], {"luck": 1})),
+        *((*RUN, changed(**odd)) for odd in ({"odd": 1}, {"code": "x"}, {"maps": {}}, {"environment": "../e"})),
+        (*RUN, changed(maps={"env3": "0" * 16})), (*RUN, changed(environment="other")),
+        ("run", "--output", "x.h5", "--job", JOB), ("run", "--output", "", *RUN[3:], JOB),
+        *((*RUN, JOB, "--map", odd) for odd in ("env3=none", "env3=pipe", "env3.txt", "=", "")),
+        (*LEARN, "--parameters", DEEP), (*LEARN, "--method-parameters", DEEP),
+        ("show-map", "{"),
         ("inspect", "[0-99999999999]"), ("verify", "[0-99999999999]"), ("metrics", "{"),
         ("new-study", "new", "--map", "env3.txt", "--seeds", HUGE),
         ("new-study", "new", "--map", "env3.txt", "--tasks", "{"),
     ],
-    ids=lambda arguments: " ".join(arguments)[-60:],
+    ids=lambda arguments: " ".join(arguments)[-40:],
 )  # fmt: skip
 def test_absurd_arguments_are_refused_in_one_line(arguments, tmp_path, monkeypatch, record_property):
     record_property("absurd arguments of commands, all refused", 1)
     monkeypatch.chdir(tmp_path)
     shutil.copy(MAPS / "env3.txt", tmp_path)
-    shutil.copy(ROOT / "config/fit.yaml", tmp_path)
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "bytes").write_bytes(b"\xff")
     before = sorted(tmp_path.iterdir())
@@ -79,3 +64,10 @@ def test_absurd_arguments_are_refused_in_one_line(arguments, tmp_path, monkeypat
     else:  # click's own refusal, which shows the usage
         assert isinstance(result.exception, SystemExit) and result.exit_code == 2, repr(result.exception)
     assert sorted(tmp_path.iterdir()) == before
+
+
+def test_the_job_itself_runs(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(MAPS / "env3.txt", tmp_path)
+    assert CliRunner().invoke(commands, [*RUN, JOB], catch_exceptions=False).exit_code == 0
+    assert (tmp_path / "x.h5").is_file()

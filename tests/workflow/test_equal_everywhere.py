@@ -2,38 +2,54 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
-import h5py
 import pytest
 from projects import ROOT, TARGETS, Project
 
+from ptl.config import Parameters
+from ptl.files import store
+from ptl.files.job import Job
+from ptl.jobs.grow import Grow
+from ptl.jobs.learn import Learn
+from ptl.jobs.lives import Libraries, Lives
+from ptl.jobs.survey import Survey
+from ptl.world.gridworld import load_map, map_digest
+
 MAP = "config/environments/env2.txt"
-PARAMETERS = json.dumps({"learning": {"episodes": 15}, "subgoals": {"trajectories": 5}})
+WORLD = load_map(ROOT / MAP)
+COMMON = {"root_seed": 11, "code": "0" * 16, "environment": "env2", "maps": {"env2": map_digest(WORLD.text)}}
+GROUPS = Parameters().replace(learning__episodes=15, subgoals__trajectories=5).to_dict()
+
+
+def made(kind: type[Job], **values: object) -> Job:
+    return kind(parameters={name: GROUPS[name] for name in kind.READS}, **COMMON, **values)
+
 
 JOBS = {
-    "learned.h5": ("learn", "--tasks", "ABCDEF", "--method", "ptl", "--seed", "7", "--parameters", PARAMETERS),
-    "grown.h5": ("grow", "--tasks", "4", "--run", "3", "--parameters", PARAMETERS),
-    "surveyed.h5": ("survey", "batch", "--batch", "0", "--batches", "4", "--starts", "4", "--trajectories", "3"),
+    "learned.h5": made(Learn, tasks="ABCDEF", method="ptl", reference="ptl", seed=7),
+    "grown.h5": made(Grow, tasks=4, seed=3),
+    "surveyed.h5": made(Survey, batch=0, batches=4, starts=4, trajectories=3),
+    "lives.h5": made(Lives, name="env2_ptl", tasks="AB", method="ptl", seeds=2),
+    "libraries.h5": made(Libraries, tasks=3, runs=2),
 }
 """A job of each kind by what it writes."""
 
 SCRIPT = """
 from ptl.files.csv import write_csv
+from ptl.files.store import read
+from ptl.measures.run_files import library_sizes, measure_files, write_steps
 from ptl.report.figures import saving, style
-from ptl.measures.run_files import library_sizes
-from ptl.measures.measures import measure_files, write_steps
 
-found = measure_files(["learned.h5"], 5, 1.5)
+found = measure_files([read("learned.h5")], 5, 1.5)
 write_csv(found.per_seed, "per_seed.csv")
 write_csv(found.subgoals, "subgoals.csv")
-write_steps("steps.h5", found)
-sizes = library_sizes(["grown.h5"])
+write_steps("steps.h5", found.steps)
+sizes = library_sizes([read("grown.h5")])
 write_csv(sizes, "growth.csv")
 
 @style.styled
@@ -54,9 +70,8 @@ def run_jobs(folder: Path, python: str | Path = sys.executable, path: str = str(
     (folder / "config/environments").mkdir(parents=True)
     shutil.copy(ROOT / MAP, folder / MAP)
     variables = {"PATH": os.environ["PATH"], "HOME": str(folder), "PYTHONPATH": path, "MPLBACKEND": "Agg"} | environment
-    common = ("--map", MAP, "--environment", "env2", "--root-seed", "11")
-    commands = [("-m", "ptl", *given, *common, "--output", output) for output, given in JOBS.items()]
-    for arguments in (*commands, ("-c", SCRIPT)):
+    given = ("-m", "ptl", "run", "--map", f"env2={MAP}")
+    for arguments in (*((*given, "--job", job.text, "--output", name) for name, job in JOBS.items()), ("-c", SCRIPT)):
         done = subprocess.run([python, *arguments], cwd=folder, env=variables, capture_output=True, text=True)
         assert done.returncode == 0, (arguments, done.stderr[-2000:])
     return {name: (folder / name).read_bytes() for name in FILES}
@@ -177,5 +192,4 @@ def test_the_newest_python_gives_the_same_results(reference, tmp_path, record_pr
     print(f"compared {sys.version.split()[0]} with {pythons[0]}: {len(FILES)} files, different: {different or 'none'}")
     record_property("Python versions compared", f"{sys.version.split()[0]} and {Path(pythons[0]).name}")
     assert different == []
-    with h5py.File(tmp_path / "run/learned.h5") as file:
-        assert file.attrs["method"] == "ptl"
+    assert store.read(tmp_path / "run/learned.h5", JOBS["learned.h5"]).job.method == "ptl"

@@ -5,9 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import random
-import re
 import resource
-import shlex
 import shutil
 import signal
 import subprocess
@@ -18,17 +16,19 @@ from pathlib import Path
 
 import psutil
 import pytest
-from damage import SEED, damages, rewrite
-from projects import ROOT, TARGETS, Project
+from click.testing import CliRunner
+from damage import SEED, damages
+from projects import ROOMS, ROOT, TARGETS, Project
 
+from ptl.cli import commands
+from ptl.cli.verify import _checkable
+from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.atomic import UNFINISHED, atomic_path, remove_unfinished, write_text
 from ptl.files.lock import LOCK
-from ptl.files.remedies import rebuild_command
-from ptl.files.verification import OneRun, checkable, faults_of
-from ptl.measures.run_files import library_sizes
-from ptl.measures.measures import measure_files
-from ptl.measures.statistics import read_per_seed
+from ptl.jobs import Grow
+from ptl.world.gridworld import map_digest
 
 
 @pytest.fixture(scope="module")
@@ -191,166 +191,63 @@ def kept(undisturbed) -> Iterator[Project]:
             path.write_bytes(content)
 
 
-def sealed_and_results(project: Project) -> list[Path]:
-    """Everything that later jobs read."""
-    found = checkable(project.folder / "results") + checkable(project.folder / "reports")
-    assert {path.suffix for path in found} == {".h5", ".csv"} and len(found) > 10
-    return found
+def results_of(project: Project) -> list[Path]:
+    """One file of each kind in the folder of results."""
+    names = ["learning/rooms/ptl/seed_000.h5", "growth/run_000.h5", "subgoal_frequencies/rooms.h5", "steps.h5"]
+    return [project.folder / "results/tiny" / name for name in names]
 
 
-def test_every_damage_is_found(kept, monkeypatch, record_property):
+def test_every_damage_is_found(kept, record_property):
     """Whatever byte it is in: no exceptions, not even unused bytes."""
-    monkeypatch.chdir(kept.folder)
     chance = random.Random(SEED)
     tried = 0
-    for path in sealed_and_results(kept):
-        relative = path.relative_to(kept.folder)
-        assert faults_of(relative) == []
+    for path in results_of(kept):
         whole = path.read_bytes()
+        store.read_arrays(path)
         for what, damaged in damages(whole, chance):
             if damaged == whole:
                 continue
             tried += 1
             path.write_bytes(damaged)
-            faults = faults_of(relative)
-            assert faults, f"{relative}: {what} was not found"
-            for fault in faults:
-                assert fault.startswith(str(relative)) and "\n" not in fault and "snakemake" in fault, fault
+            with pytest.raises(UserError) as caught:
+                store.read_arrays(path)
+            line = str(caught.value)
+            assert line.startswith(f"{path}: ") and "\n" not in line and "remove it" in line, f"{what}: {line}"
         path.write_bytes(whole)
-    record_property("damages tried, all found: HDF5 files and tables", tried)
-    assert tried > 300
+    record_property("damages tried, all found: result files", tried)
+    assert tried > 100
 
 
-def swaps(project: Project) -> list[tuple[str, str]]:
-    """Products and those of other jobs that could be mistaken for them."""
-    results, reports = "results/tiny", "reports/tiny"
-    learned = f"{results}/learning/rooms"
-    return [
-        (f"{learned}/ptl/seed_000.h5", f"{learned}/ptl/seed_001.h5"),
-        (f"{learned}/ptl/seed_000.h5", f"{learned}/no_transfer/seed_000.h5"),
-        (f"{learned}/ptl/seed_000.h5", f"{results}/growth/run_000.h5"),
-        (f"{results}/growth/run_001.h5", f"{results}/growth/run_000.h5"),
-        (f"{results}/growth/run_001.h5", f"{learned}/ptl/seed_001.h5"),
-        (f"{results}/subgoal_frequencies/rooms.h5", f"{learned}/ptl/seed_001.h5"),
-        (f"{results}/steps.h5", f"{learned}/ptl/seed_001.h5"),
-        (f"{reports}/tables/per_seed.csv", f"{reports}/tables/subgoals.csv"),
-        (f"{reports}/tables/growth.csv", f"{reports}/tables/per_seed.csv"),
-    ]
+SWAPS = [
+    ("learning/rooms/ptl/seed_000.h5", "learning/rooms/ptl/seed_001.h5"),
+    ("learning/rooms/ptl/seed_000.h5", "learning/rooms/no_transfer/seed_000.h5"),
+    ("learning/rooms/ptl/seed_000.h5", "growth/run_000.h5"),
+    ("growth/run_001.h5", "growth/run_000.h5"),
+    ("subgoal_frequencies/rooms.h5", "learning/rooms/ptl/seed_001.h5"),
+]
+"""Results and those of other jobs that could be mistaken for them."""
 
 
-def test_files_of_other_jobs_are_found(kept, monkeypatch, record_property):
-    monkeypatch.chdir(kept.folder)
-    record_property("files of another job in a product's place, all found", len(swaps(kept)))
-    for product, other in swaps(kept):
-        whole = Path(product).read_bytes()
-        shutil.copy(other, product)
-        faults = faults_of(Path(product))
-        assert faults, f"{product} replaced by {other} was not found"
-        for fault in faults:
-            assert fault.startswith(product) and "snakemake" in fault and "\n" not in fault
-        Path(product).write_bytes(whole)
-
-
-def older_code(path: Path) -> None:
-    rewrite(path, lambda file: file.attrs.modify("code", "0" * 16))
-
-
-def other_settings(path: Path) -> None:
-    rewrite(path, lambda file: file.attrs.modify("root_seed", 1))
-
-
-def cut(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def flip(path: Path) -> None:
-    content = bytearray(path.read_bytes())
-    content[-3] ^= 1
-    path.write_bytes(bytes(content))
-
-
-def replace(path: Path) -> None:
-    """By the file of the other seed or run."""
-    [other] = set(path.parent.glob("*.h5")) - {path}
-    shutil.copy(other, path)
-
-
-@pytest.mark.parametrize(
-    ("damaged", "damage"),
-    [
-        ("results/tiny/learning/rooms/ptl/seed_001.h5", cut),
-        ("results/tiny/learning/rooms/ptl/seed_001.h5", older_code),
-        ("results/tiny/learning/rooms/ptl/seed_001.h5", other_settings),
-        ("results/tiny/learning/rooms/ptl/seed_001.h5", replace),
-        ("results/tiny/growth/run_000.h5", cut),
-        ("results/tiny/growth/run_000.h5", replace),
-        ("reports/tiny/tables/per_seed.csv", flip),
-        ("reports/tiny/tables/per_seed.csv", cut),
-    ],
-)
-def test_aggregation_refuses_damage_and_its_advice_works(kept, monkeypatch, damaged, damage):
-    monkeypatch.chdir(kept.folder)
-    path = Path(damaged)
-    whole = path.read_bytes()
-    damage(path)
-    with pytest.raises(UserError) as caught:
-        if "learning" in damaged:
-            files = sorted(Path("results/tiny/learning/rooms").glob("*/seed_*.h5"))
-            measure_files(files, 10, 1.5, admit=OneRun().admit)
-        elif "growth" in damaged:
-            library_sizes(sorted(Path("results/tiny/growth").glob("*.h5")))
-        else:
-            read_per_seed(path)
-    line = str(caught.value)
-    assert line.startswith(f"{damaged}: ") and "\n" not in line
-    advice = re.search(r"remove it and run '(snakemake [^']*)' to make it again", line)[1]
-    if damage in {cut, older_code}:  # one of each kind of file, because Snakemake takes seconds
-        path.unlink()
-        kept.make(*shlex.split(advice)[1:])
-        assert path.read_bytes() == whole
-        assert faults_of(path) == []
-
-
-def test_advice_names_the_configuration_of_the_run(tmp_path, monkeypatch):
-    (tmp_path / "config").mkdir()
-    (tmp_path / "config/config.yaml").write_text("run: published\n")
-    (tmp_path / "config/smoke.yaml").write_text("# small\nrun: 'smoke'\n")
-    (tmp_path / "rivals.yaml").write_text("run: rivals\n")
-    monkeypatch.chdir(tmp_path)
-    assert rebuild_command("results/published/steps.h5") == "snakemake results/published/steps.h5 --cores 1"
-    expected = "snakemake results/smoke/steps.h5 --cores 1 --configfile config/smoke.yaml"
-    assert rebuild_command("results/smoke/steps.h5") == expected
-    assert rebuild_command(tmp_path / "results/smoke/steps.h5") == expected
-    assert rebuild_command("reports/rivals/x.csv").endswith("x.csv --cores 1 --configfile rivals.yaml")
-    assert rebuild_command("results/other/a b.h5") == "snakemake 'results/other/a b.h5' --cores 1"
-    assert rebuild_command("/elsewhere/x.h5") == "snakemake /elsewhere/x.h5 --cores 1"
-
-
-def test_merging_batches_refuses_a_batch_given_twice(kept):
-    common = ["--map", "rooms.txt", "--environment", "rooms", "--batches", "2", "--root-seed", "1", "--starts", "4"]
-    for batch in (0, 1):
-        output = f"results/tiny/subgoal_frequencies/rooms/batch_{batch}.h5"
-        assert kept.ptl("survey", "batch", *common, "--batch", str(batch), "--output", output).returncode == 0
-    first, second = (f"results/tiny/subgoal_frequencies/rooms/batch_{batch}.h5" for batch in (0, 1))
-    assert faults_of(kept.folder / second) == []
-    done = kept.ptl("survey", "merge", first, first, "--output", "merged.h5")
-    assert done.returncode == 1 and "batches 0, 0 were given where 0 to 1 are needed" in done.stderr
-    shutil.copy(kept.folder / first, kept.folder / second)
-    done = kept.ptl("survey", "merge", first, second, "--output", "merged.h5")
-    assert done.returncode == 1 and done.stderr.startswith(f"error: {second}: holds the job rooms/batch_0.h5")
-    assert not (kept.folder / "merged.h5").exists()
-    shutil.rmtree(kept.folder / "results/tiny/subgoal_frequencies/rooms")
+@pytest.mark.parametrize(("product", "other"), SWAPS)
+def test_files_of_other_jobs_are_found(kept, product, other):
+    """By the place alone, as before the end of a run."""
+    results = kept.folder / "results/tiny"
+    shutil.copy(results / other, results / product)
+    done = CliRunner().invoke(commands, ["verify", str(results / product)])
+    assert isinstance(done.exception, UserError) and f"is the file {other} of a run" in done.output
 
 
 # -- disk -------------------------------------------------------------------------------------------------------
 
+GROW = Grow(
+    root_seed=1, parameters=Parameters().to_dict(), maps={"rooms": map_digest(ROOMS)}, code="0" * 16,
+    environment="rooms", tasks=3, seed=0,
+)  # fmt: skip
 COMMANDS = {
     "learn": ["learn", "--map", "rooms.txt", "--environment", "rooms", "--tasks", "AB", "--method", "ptl", "--seed",
               "0", "--root-seed", "1", "--output", "{}/learned.h5"],
-    "grow": ["grow", "--map", "rooms.txt", "--environment", "rooms", "--tasks", "3", "--run", "0", "--root-seed",
-             "1", "--output", "{}/grown.h5"],
-    "survey": ["survey", "batch", "--map", "rooms.txt", "--environment", "rooms", "--batch", "0", "--batches", "1",
-               "--root-seed", "1", "--starts", "2", "--output", "{}/batch_0.h5"],
+    "run": ["run", "--job", GROW.text.replace("{", "{{").replace("}", "}}"), "--map", "rooms=rooms.txt", "--output",
+            "{}/grown.h5"],
 }  # fmt: skip
 """The commands that write results."""
 
@@ -397,7 +294,7 @@ def test_unfinished_files_are_not_products(tmp_path):
     (tmp_path / "results/learning").mkdir(parents=True)
     with pytest.raises(KeyboardInterrupt), atomic_path(tmp_path / "results/learning/a.h5") as temporary:
         assert temporary.name.startswith(UNFINISHED) and temporary.suffix == ".h5"
-        assert checkable(tmp_path) == []
+        assert list(_checkable(tmp_path)) == []
         copy = temporary.with_name(f"{UNFINISHED}left-a.h5")
         shutil.copy(temporary, copy)
         raise KeyboardInterrupt

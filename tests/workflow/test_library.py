@@ -35,7 +35,7 @@ def test_the_example_of_the_package_runs(monkeypatch):
 
 
 def test_a_learning_job_imports_nothing_that_it_does_not_need():
-    code = "import sys, ptl.cli.learn, ptl.learning.life, ptl.files.results, ptl.methods.ptl; print(*sys.modules)"
+    code = "import sys, ptl.cli.run, ptl.jobs.kinds, ptl.files.store, ptl.methods.ptl; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert "numpy" in loaded and "h5py" in loaded
     for module in ("pandas", "scipy", "matplotlib", "snakemake", "yaml", "jinja2", "gymnasium"):

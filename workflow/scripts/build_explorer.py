@@ -8,5 +8,7 @@ from ptl.report.script import running
 
 with running(snakemake) as script:
     kinds = {name: configured(*given) for name, given in snakemake.params.given.items()}
-    data = collect(script.results(script.input), titles=script.titles, window=script.groups.measures.window, kinds=kinds)
+    data = collect(
+        script.results(script.input), titles=script.titles, window=script.groups.measures.window, kinds=kinds
+    )
     write_text(script.output[0], build(data))

@@ -17,6 +17,8 @@ with running(snakemake) as script:
     )
     write_csv(metrics, script.output.metrics)
     write_tables(
-        build_tables(metrics, script.groups.measures, statistics, script.looks, script.titles, of_article(script.environments)),
+        build_tables(
+            metrics, script.groups.measures, statistics, script.looks, script.titles, of_article(script.environments)
+        ),
         Path(script.output.metrics).parent,
     )

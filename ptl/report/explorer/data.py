@@ -111,7 +111,9 @@ def _add(
 
 
 def _look(result: Result, kind: type[BaseMethod]) -> dict[str, str]:
-    guides = "policies" if issubclass(kind, PolicyReuse) else "skills" if "library/subgoals" in result.arrays else "none"
+    guides = (
+        "policies" if issubclass(kind, PolicyReuse) else "skills" if "library/subgoals" in result.arrays else "none"
+    )
     return {"label": kind.label, "colour": kind.colour, "guides": guides}
 
 

@@ -26,9 +26,7 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
 
     methods = [*script.methods, *script.foreign]
-    frame = curves(
-        read_steps(script.input.steps), script.worlds, script.last_tasks, methods, script.groups.statistics
-    )
+    frame = curves(read_steps(script.input.steps), script.worlds, script.last_tasks, methods, script.groups.statistics)
     return draw(frame, script.titles, script.looks), frame
 
 

@@ -1,7 +1,7 @@
 """Methods of the second study, one file each: rivals of PTL, PTL with other parts, and proposals of ours.
 
-They are no part of the article's comparison. A reference is ``studies.beyond.methods.rmax:Method``; `reference` makes it
-from the identifier.
+They are no part of the article's comparison. `reference` makes a reference such as
+``studies.beyond.methods.rmax:Method`` from an identifier.
 """
 
 from __future__ import annotations

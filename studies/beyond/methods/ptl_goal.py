@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ptl.agent import finders
+from ptl.agent.finders import Finder
 from ptl.methods.ptl import Method as PartialTransfer
+from studies.beyond import finders
 
 
 class Method(PartialTransfer):
@@ -12,5 +13,5 @@ class Method(PartialTransfer):
     label = "PTL, subgoal = goal"
     colour = "#e08214"
 
-    def finder(self) -> finders.Finder:
+    def finder(self) -> Finder:
         return finders.task_goal

@@ -6,13 +6,15 @@ from ptl.files.atomic import write_text
 from ptl.report.explorer.data import collect
 from ptl.report.explorer.page import build
 from ptl.report.script import running
-from studies.beyond.design import Study, shown
-from studies.beyond.methods import reference
+from studies.beyond.design import SecondStudy
 from studies.beyond.page import FAMILY_TITLES
+from studies.beyond.planned import population_of, shown
 
 with running(snakemake) as script:
-    study = Study.read(snakemake.params.study)
-    kinds = {methods.identifier(name): methods.load(name) for name in map(reference, study.explorer.methods)}
+    study = SecondStudy.read(snakemake.params.study)
+    kinds = {job.method: methods.load(job.reference) for job in script.jobs}
     window = min(Measures().window, study.learning.episodes)
-    titles = {name: f"{FAMILY_TITLES[family]}, map {seed}" for name, (family, seed) in shown(study).items()}
-    write_text(script.output[0], build(collect(script.input, window=window, titles=titles, kinds=kinds)))
+    population = population_of(study)
+    titles = {population[place].name: f"{FAMILY_TITLES[place[0]]}, map {place[1]}" for place in shown(study)}
+    data = collect(script.results(script.input), window=window, titles=titles, kinds=kinds)
+    write_text(script.output[0], build(data))

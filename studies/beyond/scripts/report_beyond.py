@@ -7,34 +7,33 @@ import pandas as pd
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.measures.statistics import Resampling
-from ptl.report import beyond
-from ptl.report.figures import beyond as figures
 from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
-from studies.beyond import summary
+from studies.beyond import figures, page, summary
 from studies.beyond.collect import foreign_lives, read_lives, read_tasks
-from studies.beyond.design import MAIN, Study
+from studies.beyond.design import SecondStudy
+from studies.beyond.maps import MAIN
 from studies.beyond.population import read_population
 
 with running(snakemake) as script:
-    study = Study.read(snakemake.params.study)
+    study = SecondStudy.read(snakemake.params.study)
     folder = Path(script.output.page).parent
     how = Resampling(study.statistics.confidence, study.statistics.resamples)
     lives = [frame for frame in (read_lives(script.input.lives), foreign_lives(study)) if len(frame)]
     lives = pd.concat(lives, ignore_index=True)
     tasks = read_tasks(script.input.tasks)
-    looks = beyond.looks_of(study, lives["method"])
+    looks = page.looks_of(study, lives["method"])
     main = summary.main_lives(lives)
-    titles = beyond.titles_of(dict.fromkeys(main["family"]), study.article_maps)
+    titles = page.titles_of(dict.fromkeys(main["family"]), study.article_maps)
     generated = [family for family in titles if family not in study.article_maps]
-    curves = beyond.in_figures(looks)
+    curves = page.in_figures(looks)
 
     costs = summary.costs(main, how)
     components = summary.variance_components(main)
     sizes = summary.by_library_size(tasks, how)
     sequences = summary.by_sequence(lives, how)
-    windings = summary.by_winding(main, read_population(study.population))
+    windings = summary.by_winding(main, read_population())
     trends = summary.winding_trends(windings)
     of_tasks = "random" if "random" in study.sequences.names else MAIN
     places = summary.by_task(tasks, of_tasks, how)
@@ -103,7 +102,7 @@ with running(snakemake) as script:
     note = "Bold: least in the column. Brackets: intervals."
     cost_table = table(
         "costs",
-        beyond.wide_table(
+        page.wide_table(
             costs, looks, titles, "family", "cost", ("low", "high"), "Cost as a multiple of the optimum",
             "Geometric mean over maps and lives.", (note,),
         ),
@@ -111,7 +110,7 @@ with running(snakemake) as script:
     )  # fmt: skip
     ratio_table = table(
         "ratios",
-        beyond.wide_table(
+        page.wide_table(
             costs, looks, titles, "family", "ratio", ("ratio_low", "ratio_high"), "Cost as a multiple of PTL’s",
             "Geometric mean of the ratio on the same maps; below 1 a method is cheaper than PTL.", (note,),
         ),
@@ -119,7 +118,7 @@ with running(snakemake) as script:
     )  # fmt: skip
     chances = table(
         "improvement",
-        beyond.wide_table(
+        page.wide_table(
             costs, looks, titles, "family", "improvement", ("improvement_low", "improvement_high"),
             "Probability of improvement over PTL",
             "Chance that a life costs less than one under PTL on the same map, ties counting half.", best=False,
@@ -143,19 +142,19 @@ with running(snakemake) as script:
             "heading": "Across maps, tasks and sequences",
             "text": "How the cost is spread over lives, how it changes over a life, and what it depends on.",
             "figures": [pictures[name] for name in ("profiles", "tasks", "winding") if name in pictures],
-            "tables": [(table("components", beyond.component_table(components, looks, titles), components), False)],
+            "tables": [(table("components", page.component_table(components, looks, titles), components), False)],
         },
         {
             "heading": "What each method may know",
             "text": "A comparison is fair only between methods that may know the same.",
             "figures": [],
-            "tables": [(beyond.knowledge_table(looks), True)],
+            "tables": [(page.knowledge_table(looks), True)],
         },
     ]
     if len(sequences):
         for family in dict.fromkeys(sequences["family"]):
             part = sequences[sequences["family"] == family]
-            made = beyond.wide_table(
+            made = page.wide_table(
                 part, looks, {name: name for name in dict.fromkeys(part["sequence"])}, "sequence", "cost",
                 ("low", "high"), f"Sequences of tasks: {titles[family]}",
                 "Cost as a multiple of the optimum on the same maps, by the order in which goals come.",
@@ -163,12 +162,12 @@ with running(snakemake) as script:
             sections[2]["tables"].append((made, False))
     write_text(
         folder / "index.html",
-        beyond.page(
-            introduction=beyond.introduction(study, lives),
-            answers=beyond.answers(costs, looks, generated, components, titles),
-            explorer=beyond.explorer_line(study, looks),
-            reading=beyond.READING,
+        page.page(
+            introduction=page.introduction(study, lives),
+            answers=page.answers(costs, looks, generated, components, titles),
+            explorer=page.explorer_line(study, looks),
+            reading=page.READING,
             sections=[section for section in sections if section["figures"] or section["tables"]],
-            method_lines=beyond.method_lines(study),
+            method_lines=page.method_lines(study),
         ),
     )

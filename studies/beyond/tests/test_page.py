@@ -8,16 +8,16 @@ import pytest
 
 from ptl import methods
 from ptl.measures.statistics import Resampling
-from ptl.methods import beyond as of_the_study
-from ptl.report import beyond
-from ptl.report.figures import beyond as figures
-from studies.beyond import summary
+from studies.beyond import figures, page, summary
+from studies.beyond import methods as our_methods
 from studies.beyond.collect import LIFE_COLUMNS
-from studies.beyond.design import Study
+from studies.beyond.design import SecondStudy
 
 HOW = Resampling(0.95, 200)
 FAMILIES = ("chain", "maze")
-STUDY = Study.read({"methods": ["no_transfer", "ptl", "ptl_goal", "ptl_frontier", "frontier_only", "rmax_memory"]})
+STUDY = SecondStudy.read(
+    {"methods": ["no_transfer", "ptl", "ptl_goal", "ptl_frontier", "frontier_only", "rmax_memory"]}
+)
 
 
 def lives(**ratios: float | tuple[float, float]) -> pd.DataFrame:
@@ -39,9 +39,9 @@ def said(**ratios: float | tuple[float, float]) -> list[str]:
     """Lead and lines of each answer in one text."""
     frame = lives(**ratios)
     costs = summary.costs(frame, HOW)
-    titles = beyond.titles_of(FAMILIES, ())
-    looks = beyond.looks_of(STUDY, frame["method"])
-    made = beyond.answers(costs, looks, FAMILIES, summary.variance_components(frame), titles)
+    titles = page.titles_of(FAMILIES, ())
+    looks = page.looks_of(STUDY, frame["method"])
+    made = page.answers(costs, looks, FAMILIES, summary.variance_components(frame), titles)
     return [" ".join([answer["lead"], *answer["lines"]]) for answer in made]
 
 
@@ -77,14 +77,14 @@ def test_what_our_proposal_owes_to_the_library(alone, owed):
 
 
 def test_every_method_says_what_it_may_know():
-    own = {*of_the_study.names(), "no_transfer", "ptl", "ptl_supervised"}
-    assert own == set(beyond.KNOWLEDGE)
-    looks = beyond.looks_of(STUDY, ["mine", "ptl", "yours"])
+    own = {*our_methods.names(), "no_transfer", "ptl", "ptl_supervised"}
+    assert own == set(page.KNOWLEDGE)
+    looks = page.looks_of(STUDY, ["mine", "ptl", "yours"])
     assert [looks[name].label for name in ("ptl", "mine", "yours")] == ["PTL", "Mine", "Yours"]
     assert looks["mine"].colour != looks["yours"].colour and looks["mine"].dashed
     assert list(looks)[-2:] == ["mine", "yours"]
-    assert looks["rmax_memory"].label == methods.load(of_the_study.reference("rmax_memory")).label
-    table = beyond.knowledge_table(looks)
+    assert looks["rmax_memory"].label == methods.load(our_methods.reference("rmax_memory")).label
+    table = page.knowledge_table(looks)
     cells = {row.label: [cell.text for cell in row.cells] for row in table.groups[0].rows}
     assert cells["Mine"] == ["not stated"] * 3
     assert cells["R-max, model kept"][1] == "yes"
@@ -92,7 +92,7 @@ def test_every_method_says_what_it_may_know():
 
 def test_figures_have_a_panel_for_each_family_and_a_curve_for_each_method():
     frame = lives(no_transfer=4.0, rmax_memory=0.1)
-    looks, titles = beyond.looks_of(STUDY, frame["method"]), beyond.titles_of(FAMILIES, ())
+    looks, titles = page.looks_of(STUDY, frame["method"]), page.titles_of(FAMILIES, ())
     drawn = figures.profile(summary.profiles(frame, HOW), looks, titles)
     panels = [ax for ax in drawn.axes if ax.get_visible()]
     assert [ax.get_title(loc="left") for ax in panels] == ["Chain of rooms", "Perfect maze"]
@@ -107,5 +107,5 @@ def test_one_life_on_one_map_has_no_interval_and_is_drawn():
     frame = lives(no_transfer=2.0)
     costs = summary.costs(frame[(frame["map"] == "4000") & (frame["seed"] == 0)], HOW)
     assert costs["high"].isna().all()
-    drawn = figures.overview(costs, beyond.looks_of(STUDY, costs["method"]), dict(zip(FAMILIES, FAMILIES, strict=True)))
+    drawn = figures.overview(costs, page.looks_of(STUDY, costs["method"]), dict(zip(FAMILIES, FAMILIES, strict=True)))
     assert all(np.isfinite(ax.get_xlim()).all() for ax in drawn.axes)

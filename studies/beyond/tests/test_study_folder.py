@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
-from projects import ROOT, errors_of
+from projects import ROOT, Project, errors_of
 
 from studies.beyond.collect import LIFE_COLUMNS, read_lives
 from studies.beyond.population import read_population
 
-CODE = re.search(r"^```python\n(.*?)^```$", (ROOT / "docs/beyond.md").read_text(), re.MULTILINE | re.DOTALL)
+PAGE = Path(__file__).parent.parent / "README.md"
+CODE = re.search(r"^```python\n(.*?)^```$", PAGE.read_text(), re.MULTILINE | re.DOTALL)
 
 
 def run(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -27,9 +28,7 @@ def run(folder: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str
 def theirs(path: Path, maps: int, **changes: object) -> Path:
     """Write lives of another program at twice the optimum of 5 episodes."""
     entries = [
-        entry
-        for entry in read_population(ROOT / "config/population.csv")
-        if (entry.band, entry.size) == ("test", 300) and entry.seed < 4000 + maps
+        entry for entry in read_population() if (entry.band, entry.size) == ("test", 300) and entry.seed < 4000 + maps
     ]
     optima = [5 * sum(entry.shortest_paths[1:]) for entry in entries]
     rows = [
@@ -80,6 +79,12 @@ def test_a_table_of_lives_at_fault_is_refused_before_anything_is_written(tmp_pat
 
 
 def test_options_that_do_not_go_together_are_refused(tmp_path):
-    for arguments in (["--population", "test", "--map", "a.txt"], ["--lives", "a.csv"], []):
-        assert errors_of(run(tmp_path, "ptl", "new-study", "final", *arguments))
+    for arguments in (["--population", "test", "--map", "a.txt"], ["--lives", "a.csv"], ["--population", "own"], []):
+        [_] = errors_of(run(tmp_path, "ptl", "new-study", "final", *arguments))
         assert not (tmp_path / "final").exists()
+
+
+def test_without_the_study_there_is_no_population(tmp_path):
+    project = Project(tmp_path / "copy", None)
+    done = project.ptl("new-study", "final", "--population", "test")
+    assert errors_of(done) == ["error: --population: there is no study of a population of maps here; give --map"]

@@ -1,4 +1,4 @@
-"""New folders in which the second study runs on methods of one's own."""
+"""New folders in which the second study runs on methods of one's own, for `ptl new-study --population`."""
 
 from __future__ import annotations
 
@@ -7,20 +7,19 @@ from pathlib import Path
 from typing import Any
 
 from ptl import methods
-from ptl.deployment import PACKAGE, method_files, name_in_study, run_name, shared_folder, write_study
+from ptl.deployment import method_files, name_in_study, run_name, write_study
 from ptl.errors import UserError
 from ptl.files.configuration import read_yaml
 from ptl.keys import repeated
-from ptl.methods import beyond
-from ptl.study.population.collect import foreign_lives
-from ptl.study.population.design import Study
-from ptl.world.population import MAPS, POPULATION, SIZE
+from studies.beyond.collect import foreign_lives
+from studies.beyond.design import SecondStudy
+from studies.beyond.methods import reference
+from studies.beyond.population import BANDS, MAPS, SIZE
 
-BEYOND = shared_folder("workflow") / "beyond.smk"
-"""The workflow of the second study, to be included by the Snakefile of a study on its maps."""
+HERE = Path(__file__).parent
 
-POPULATION_TABLE = shared_folder("config") / "population.csv"
-"""The maps of the second study."""
+SNAKEFILE = HERE / "Snakefile"
+"""The workflow of the second study, to be used as a module by the Snakefile of a folder."""
 
 
 def new_population_study(
@@ -44,7 +43,7 @@ def new_population_study(
     maps, seeds, episodes : int, optional
         Maps of each family, lives on each, episodes of a task; by default as in the published study.
     chosen : sequence of str
-        Methods to run, those of `ptl.methods.beyond` among them; files are copied into the folder.
+        Methods to run, those of `studies.beyond.methods` among them; files are copied into the folder.
     lives : sequence of paths
         Tables of lives of other methods (columns of ``per_life.csv``), copied into the folder.
 
@@ -54,8 +53,10 @@ def new_population_study(
         One line on the first thing that is wrong, before anything is written.
     """
     run = run_name(folder)
-    references = methods.by_identifier(map(beyond.reference, chosen)).values()
-    published = read_yaml(shared_folder("config") / "beyond.yaml")
+    if (band, SIZE) not in MAPS:
+        raise UserError(f"--population: {band!r} is not allowed; give one of {', '.join(BANDS)}")
+    references = methods.by_identifier(map(reference, chosen)).values()
+    published = read_yaml(HERE / "config/beyond.yaml")
     config: dict[str, Any] = {
         "run": run,
         "band": band,
@@ -69,7 +70,7 @@ def new_population_study(
     if twice := repeated(config["foreign_lives"]):
         raise UserError(f"--lives: two files are called {Path(twice[0]).name}; rename one of them")
     checked = {"methods": list(chosen), "foreign_lives": [str(path) for path in lives]}
-    foreign_lives(Study.read({**config, **checked, "population": str(POPULATION_TABLE)}))
-    files = {Path("lives", path.name): path for path in lives} | {Path(POPULATION): POPULATION_TABLE}
-    write_study(folder, config, files | method_files(references), PACKAGE / "skeleton_beyond")
+    foreign_lives(SecondStudy.read({**config, **checked}))
+    files = {Path("lives", path.name): path for path in lives}
+    write_study(folder, config, files | method_files(references), HERE / "skeleton")
     return config

@@ -10,14 +10,14 @@ from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.skills import Skill
 from ptl.config import Parameters
-from ptl.files.outside import learning_code, record
-from ptl.files.results import write_learning
+from ptl.files import store
+from ptl.jobs import Learn
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.trial import check_method
-from ptl.methods import beyond
 from ptl.report.explorer.data import collect
-from ptl.world.gridworld import GridWorld
+from ptl.world.gridworld import GridWorld, map_digest
 from ptl.world.transitions import TransitionGraph
+from studies.beyond.methods import names, reference
 from studies.beyond.methods._model import Model
 
 FEW = Parameters().replace(learning__episodes=30)
@@ -26,40 +26,40 @@ RING = GridWorld.from_text("I...\n.##.\n.##B\n...A\n", "ring")
 
 
 def make(name: str, world: GridWorld, seed: int = 0, **changes) -> methods.BaseMethod:
-    return methods.load(beyond.reference(name))(world, Parameters().replace(**changes), np.random.default_rng(seed))
+    return methods.load(reference(name))(world, Parameters().replace(**changes), np.random.default_rng(seed))
 
 
 def steps_of(name: str, world: GridWorld, seed: int, tasks: str, parameters: Parameters = FEW) -> list[np.ndarray]:
-    life = learn_life(world, tasks_of(world, tasks), beyond.reference(name), parameters, seed)
+    life = learn_life(world, tasks_of(world, tasks), reference(name), parameters, seed)
     return [record.steps for record in life.records]
 
 
-@pytest.mark.parametrize("name", beyond.names())
+@pytest.mark.parametrize("name", names())
 def test_a_life_of_each_is_a_sound_file_that_the_explorer_shows(name, tmp_path):
     """A method may draw what is no skill of the library."""
-    reference = beyond.reference(name)
-    life = learn_life(RING, tasks_of(RING, "AB"), reference, FEW, 15, "ring", 0)
-    path = tmp_path / "seed_000.h5"
-    write_learning(path, life, RING, {
-        "environment": "ring", "method": name, "seed": 0, "root_seed": 15,
-        "parameters": FEW.to_dict() | record(reference, methods.load(reference)), "code": learning_code(reference),
-    })  # fmt: skip
-    [entry] = collect([path], window=5, kinds={name: methods.load(reference)})["environments"]
+    job = Learn(
+        root_seed=15, parameters=FEW.to_dict(), maps={"ring": map_digest(RING.text)}, code="0" * 16, environment="ring",
+        tasks="AB", method=name, reference=reference(name), seed=0,
+    )  # fmt: skip
+    store.write(tmp_path / "seed_000.h5", job, job.run({"ring": RING}), {"ring": RING})
+    result = store.read(tmp_path / "seed_000.h5", job)
+    [entry] = collect([result], window=5, kinds={name: methods.load(reference(name))})["environments"]
     drawn = [task["drawn"] for task in entry["runs"][f"{name}/0"]["tasks"]]
+    life = learn_life(RING, tasks_of(RING, "AB"), reference(name), FEW, 15, "ring", 0)
     assert drawn == [[list(episode) for episode in task.selected] for task in life.records]
 
 
-@pytest.mark.parametrize("name", beyond.names())
+@pytest.mark.parametrize("name", names())
 def test_each_method_is_sound_and_apart_from_the_comparison(name):
     assert name not in methods.names()
-    assert methods.identifier(beyond.reference(name)) == name
-    check_method(beyond.reference(name))
+    assert methods.identifier(reference(name)) == name
+    check_method(reference(name))
 
 
 def test_looks_are_told_apart():
-    made = [methods.load(beyond.reference(name)) for name in [*beyond.names(), *methods.names()]]
+    made = [methods.load(reference(name)) for name in [*names(), *methods.names()]]
     assert len({method.colour for method in made}) == len({method.label for method in made}) == len(made)
-    assert beyond.reference("ptl") == "ptl"
+    assert reference("ptl") == "ptl"
 
 
 # -- R-max
@@ -228,6 +228,6 @@ def test_the_path_prior_by_hand():
 
 
 def test_without_a_library_only_the_frontier_guides():
-    life = learn_life(LINE, tasks_of(LINE, "AB"), beyond.reference("frontier_only"), FEW, 1)
+    life = learn_life(LINE, tasks_of(LINE, "AB"), reference("frontier_only"), FEW, 1)
     assert len(life.library) == 0
     assert {number for record in life.records for drawn in record.selected for number in drawn} == {0, 1}

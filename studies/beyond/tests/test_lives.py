@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,26 +14,44 @@ from projects import ROOT
 from ptl.agent.subgoals import discover
 from ptl.config import Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.csv import write_csv
-from ptl.files.verification import faults_of
+from ptl.jobs.kinds import job_from
 from ptl.learning.life import learn_life, tasks_of
 from ptl.measures.statistics import Resampling
-from ptl.methods import beyond
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 from studies.beyond import summary
 from studies.beyond.collect import LIFE_COLUMNS, per_life, per_task, read_lives, read_tasks
-from studies.beyond.design import Study, cells, job_of, method_digest, read_study
+from studies.beyond.design import SecondStudy, read_study
+from studies.beyond.jobs import LivesOnMaps
+from studies.beyond.methods import names
 from studies.beyond.methods._sized import sized
 from studies.beyond.methods.ptl_farthest import Method as Farthest
-from studies.beyond.population import load_entry, read_population
-from studies.beyond.running import run_cell
+from studies.beyond.planned import cost_of_lives, given_maps, lives_jobs, population_of
+from studies.beyond.population import read_population
 
+FOLDER = Path(__file__).parent.parent
 HOW = Resampling(0.95, 4000)
 SMALL = {
-    "population": str(ROOT / "config/population.csv"), "methods": ["no_transfer", "ptl", "rmax_memory"], "maps": 2,
-    "seeds": 2, "families": ["rooms"], "learning": {"episodes": 5}, "article_seeds": 2,
+    "methods": ["no_transfer", "ptl", "rmax_memory"], "maps": 2, "seeds": 2, "families": ["rooms"],
+    "learning": {"episodes": 5}, "article_seeds": 2,
 }  # fmt: skip
+ENV2 = {"map": str(ROOT / "config/environments/env2.txt"), "tasks": "AB"}
+ARENA = "type octile\nheight 4\nwidth 5\nmap\n.....\n.@.@.\n.....\n.....\n"
+
+
+def planned(study: SecondStudy) -> list[LivesOnMaps]:
+    """The jobs of a study."""
+    return list(lives_jobs(study, population_of(study), given_maps(study)).values())
+
+
+def lived(job: LivesOnMaps, study: SecondStudy, folder: Path) -> store.Result:
+    """Do a job and read its file back."""
+    worlds = {} if job.size else {job.places[0]: given_maps(study)[job.family, job.places[0]].world}
+    path = folder / job.place
+    store.write(path, job, job.run(worlds), worlds)
+    return store.read(path, job)
 
 
 def lives_of(logs: dict[str, list[list[float]]], family: str = "rooms") -> pd.DataFrame:
@@ -143,7 +161,7 @@ def test_costs_against_tasks_library_size_and_winding_by_hand():
     assert sizes["cost"].to_dict() == pytest.approx({0: 8, 2: 4, 4: 1})
     lives = per_life(tasks)
     assert lives.values.tolist() == [["rooms", "4000", 300, "increasing", "ptl", 0, 400, 50, 2]]
-    entry = next(e for e in read_population(ROOT / "config/population.csv") if (e.family, e.seed) == ("rooms", 4000))
+    entry = next(e for e in read_population() if (e.family, e.seed) == ("rooms", 4000))
     windings = summary.by_winding(lives, [entry])
     assert windings[["winding", "cost"]].values.tolist() == [[entry.winding, pytest.approx(8)]]
 
@@ -152,25 +170,39 @@ def test_costs_against_tasks_library_size_and_winding_by_hand():
 
 
 def test_jobs_are_all_and_only_those_of_the_design():
-    study = Study.read(
+    study = SecondStudy.read(
         {**SMALL, "maps": 5, "batch": 2, "sequences": {"names": ["random"], "methods": ["ptl"], "maps": 3},
-         "library_sizes": {"methods": ["ptl"], "per_task": [1, 2], "maps": 1},
-         "article_maps": {"env1": {"map": "config/environments/env1.txt", "tasks": "AB"}}}
+         "library_sizes": {"methods": ["ptl"], "per_task": [1, 2], "maps": 1}, "article_maps": {"env2": ENV2}}
     )  # fmt: skip
-    made = list(cells(study))
-    assert len({cell.name for cell in made}) == len(made)
-    maps = [(cell.sequence, cell.method, cell.per_task, place) for cell in made for place in cell.maps]
+    made = planned(study)
+    assert len({job.place for job in made}) == len(made)
+    maps = [(job.sequence, job.method, job.per_task, place) for job in made for place in job.places]
     assert len(set(maps)) == len(maps)
     counts = pd.Series([(sequence, per_task > 0) for sequence, _, per_task, _ in maps]).value_counts().to_dict()
     assert counts == {("increasing", False): 15, ("random", False): 3, ("increasing", True): 2,
                       ("article", False): 3, ("article", True): 2}  # fmt: skip
+    assert all(job_from(job.text) == job for job in made)
 
 
 def test_the_shipped_configurations_are_right(monkeypatch):
     monkeypatch.chdir(ROOT)
-    study = read_study("config/beyond.yaml")
-    assert set(beyond.names()) - set(study.methods) == {"ptl_frontier_path"}
-    assert all(cell.seeds * len(cell.maps) > 0 for cell in cells(study))
+    study = read_study(FOLDER / "config/beyond.yaml")
+    assert set(names()) - set(study.methods) == {"ptl_frontier_path"}
+    jobs = planned(study)
+    places = {(job.family, job.sequence, job.method, job.per_task, place) for job in jobs for place in job.places}
+    assert len(places) == 6 * (17 * 100 + 4 * 8 * 10 + 5 * 4 * 10) + 3 * (17 + 20)
+    learned = pd.read_csv(ROOT / "reports/beyond/per_life.csv")["total_steps"].sum()
+    cost = cost_of_lives(jobs, population_of(study), given_maps(study))
+    assert learned < cost.steps < learned * 5
+    assert 0.4 < cost.hours < 4  # README.md says half an hour on two cores
+    half = cost_of_lives(jobs[::2], population_of(study), given_maps(study))
+    assert half.hours < cost.hours and half.jobs == -(-cost.jobs // 2)
+
+
+def test_files_are_described():
+    text = (FOLDER / "README.md").read_text()
+    assert all(f"| `{name}` | {' × '.join(array.shape)} | {array.meaning} |" in text
+               for name, array in LivesOnMaps.ARRAYS.items())  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -188,44 +220,43 @@ def test_the_shipped_configurations_are_right(monkeypatch):
         ({"map": 1}, "map"),
         ({"article_maps": [1]}, "article_maps: [1] is not allowed"),
         ({"article_maps": "abc"}, "article_maps: 'abc' is not allowed"),
+        ({"article_maps": {"moving_ai": ENV2}}, "moving_ai is the name of another family"),
+        ({"moving_ai": ["maps/a b.map"]}, "moving_ai: 'maps/a b.map' is not allowed"),
+        ({"moving_ai": ["a.map", "maps/a.map"]}, "two maps are called a"),
     ],
 )
 def test_what_cannot_be_run_is_refused(changes, message):
     with pytest.raises(UserError) as raised:
-        Study.read({**SMALL, **changes})
+        SecondStudy.read({**SMALL, **changes})
     assert message in str(raised.value)
 
 
-def test_lives_of_a_job_are_those_that_the_library_learns(tmp_path: Path):
-    article = {"map": str(ROOT / "config/environments/env2.txt"), "tasks": "AB"}
-    study = Study.read({**SMALL, "article_maps": {"env2": article}})
-    paths = []
-    for cell in cells(study):
-        paths.append(tmp_path / f"{cell.name}.h5")
-        run_cell(json.loads(json.dumps(job_of(cell, study, "0" * 16))), paths[-1], method_digest(cell.method))
-        assert faults_of(paths[-1]) == []
-    assert faults_of(paths[0].rename(paths[0].with_stem("moved"))) != []
-    paths[0].with_stem("moved").rename(paths[0])
-    tasks = per_task(paths)
-    entry = next(e for e in read_population(study.population) if (e.family, e.seed) == ("rooms", 4001))
-    world = load_entry(entry)
+def test_lives_of_a_job_are_those_that_the_library_learns(tmp_path):
+    (tmp_path / "arena.map").write_text(ARENA)
+    study = SecondStudy.read({**SMALL, "article_maps": {"env2": ENV2}, "moving_ai": [str(tmp_path / "arena.map")]})
+    tasks = per_task(lived(job, study, tmp_path) for job in planned(study))
     parameters = Parameters().replace(learning__episodes=5)
-    names = ("rooms", 300, "increasing", 4001, 1)
-    life = learn_life(world, tasks_of(world, "ABCDEF"), "ptl", parameters, study.root_seed, *names)
-    own = tasks[
-        (tasks["family"] == "rooms") & (tasks["map"] == "4001") & (tasks["method"] == "ptl") & (tasks["seed"] == 1)
-    ]
-    assert own["steps"].tolist() == [record.steps.sum() for record in life.records]
-    assert own["library_size"].iloc[-1] == len(life.library)
-    assert own["optimum"].tolist() == [5 * length for length in entry.shortest_paths]
-    assert set(tasks.loc[tasks["family"] == "env2", ["map", "sequence"]].itertuples(index=False, name=None)) == {
-        ("env2", "article")
-    }
+    entry = next(e for e in read_population() if (e.family, e.seed) == ("rooms", 4001))
+    env2, arena = (given.world for given in given_maps(study).values())
+    for world, letters, stream, size in (
+        (entry.world(), "ABCDEF", ("rooms", 300, "increasing", 4001), 300),
+        (env2, "AB", ("env2", 0, "article", "env2"), env2.n_states),
+        (arena, "ABCDEF", ("moving_ai", 0, "increasing", "arena"), 18),
+    ):
+        life = learn_life(world, tasks_of(world, letters), "ptl", parameters, study.root_seed, *stream, 1)
+        chosen = (tasks["family"] == stream[0]) & (tasks["map"] == str(stream[3])) & (tasks["method"] == "ptl")
+        own = tasks[chosen & (tasks["seed"] == 1)]
+        assert own["steps"].tolist() == [record.steps.sum() for record in life.records]
+        assert own["first_episode"].tolist() == [record.steps[0] for record in life.records]
+        assert own["library_size"].iloc[-1] == len(life.library)
+        shortest = [world.shortest_path_length(world.start, world.goal(letter)) for letter in letters]
+        assert own["optimum"].tolist() == [5 * length for length in shortest]
+        assert set(own["size"]) == {size} and set(own["sequence"]) == {stream[2]}
     lives = per_life(tasks)
-    assert len(lives) == 3 * (2 * 2 + 2)
+    assert len(lives) == 3 * (2 * 2 + 2 + 2)
     assert (lives["total_steps"] >= lives["optimum"]).all()
     for frame, name, read in ((tasks, "tasks.csv", read_tasks), (lives, "lives.csv", read_lives)):
-        write_csv(frame, tmp_path / name, sealed=True)
+        write_csv(frame, tmp_path / name)
         again = read(tmp_path / name)
         assert again.drop(columns="winding", errors="ignore").equals(
             frame.drop(columns="winding", errors="ignore").astype(again.dtypes.drop("winding", errors="ignore"))
@@ -233,6 +264,62 @@ def test_lives_of_a_job_are_those_that_the_library_learns(tmp_path: Path):
     write_csv(pd.concat([lives, lives.tail(1)]), tmp_path / "twice.csv")
     with pytest.raises(UserError, match="is there twice"):
         read_lives(tmp_path / "twice.csv")
+
+
+def test_a_generated_map_is_the_one_that_was_planned():
+    [job, *_] = planned(SecondStudy.read(SMALL))
+    other = job_from(job.text.replace(job.maps["4001"], "0" * 16))
+    with pytest.raises(UserError, match=r"map rooms_300_4001: has the digest .*, not 0+ as planned"):
+        other.run({})
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"family": "sea"}, "no maps of the family 'sea'"),
+        ({"sequence": "none"}, "with 'none' tasks"),
+        ({"size": 0}, "--map: 4000 is missing"),
+        ({"per_task": 2}, "per_task: 2 skills a task need a variant of ptl, not no_transfer"),
+        ({"reference": "none"}, "unknown method 'none'"),
+    ],
+)
+def test_a_job_that_cannot_be_done_is_refused_in_one_line(change: dict[str, Any], message):
+    [job, *_] = planned(SecondStudy.read(SMALL))
+    with pytest.raises(UserError, match=message):
+        LivesOnMaps(**{**{name: getattr(job, name) for name in job.__struct_fields__}, **change}).run({})
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "message"),
+    [
+        ("steps", 1, "steps: a task took fewer steps than its shortest path"),
+        ("first", 0, "first: a task took fewer steps"),
+        ("first", 10**9, "first: a task took more steps than learning.max_steps"),
+        ("truncated", 6, "truncated: has values"),
+        ("shortest", 3, "its shortest paths or its number of states are not those of its map"),
+    ],
+)
+def test_impossible_lives_are_not_written(name, value, message, tmp_path):
+    study = SecondStudy.read({**SMALL, "families": [], "article_maps": {"env2": ENV2}})
+    [job, *_] = planned(study)
+    worlds = {"env2": given_maps(study)["env2", "env2"].world}
+    arrays = job.run(worlds)
+    arrays[name].flat[-1] = value
+    with pytest.raises(UserError, match=message):
+        store.write(tmp_path / "lives.h5", job, arrays, worlds)
+
+
+@pytest.mark.parametrize("column", ["size", "seed", "total_steps", "optimum", "library_size"])
+def test_lives_of_other_programs_have_numbers(tmp_path, column):
+    path = tmp_path / "lives.csv"
+    life = dict.fromkeys(LIFE_COLUMNS, "300") | {"family": "chain", "sequence": "increasing", "method": "theirs"}
+    for value in ("many", "", "nan", "inf"):
+        path.write_text(f"{','.join(life)}\n{','.join({**life, column: value}.values())}\n")
+        with pytest.raises(UserError, match=rf"lives\.csv: .*{column}"):
+            read_lives(path)
+    path.write_text(f"{','.join(life)}\n{','.join({**life, column: '-1'}.values())}\n")
+    with pytest.raises(UserError):
+        read_lives(path)
 
 
 def test_a_library_of_a_given_size_has_that_many_skills_of_its_finder():
@@ -259,4 +346,4 @@ def test_a_label_that_cannot_be_shown_is_refused(tmp_path, label):
         f"class Method(NoTransfer):\n    label = {label!r}\n    colour = '#123456'\n"
     )
     with pytest.raises(UserError, match="label"):
-        Study.read({**SMALL, "methods": ["ptl", str(tmp_path / "mine.py")]})
+        SecondStudy.read({**SMALL, "methods": ["ptl", str(tmp_path / "mine.py")]})

@@ -1,0 +1,84 @@
+"""Many lives of one method on some maps, kept as sums over episodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ptl import methods
+from ptl.config import Parameters
+from ptl.errors import UserError
+from ptl.learning.life import learn_life, tasks_of
+from ptl.methods.ptl import Method as PartialTransfer
+from ptl.world.gridworld import GridWorld
+from studies.beyond.maps import winding
+from studies.beyond.methods._sized import sized
+
+
+def variant(reference: str, per_task: int) -> type[methods.BaseMethod]:
+    """Return a method as it is, or one that adds ``per_task`` skills after each task.
+
+    Raises
+    ------
+    UserError
+        If there is no such method, or skills are to be added to a method other than a variant of PTL.
+    """
+    kind = methods.load(reference)
+    if not per_task:
+        return kind
+    if not issubclass(kind, PartialTransfer):
+        raise UserError(f"per_task: {per_task} skills a task need a variant of ptl, not {reference}")
+    return sized(kind, methods.identifier(kind), per_task)
+
+
+def lives_on_maps(
+    worlds: Iterable[tuple[str | int, GridWorld]],
+    letters: str,
+    kind: type[methods.BaseMethod],
+    parameters: Parameters,
+    root_seed: int,
+    seeds: int,
+    *stream_names: str | int,
+) -> dict[str, np.ndarray]:
+    """Learn the tasks of each map with one method, ``seeds`` lives on each.
+
+    Parameters
+    ----------
+    worlds : iterable
+        Pairs of a map's name in random streams and the map.
+    letters : str
+        Goals in the order in which they are learned.
+    stream_names : str or int
+        First names of the random streams, followed by those of the map and of the life.
+
+    Returns
+    -------
+    dict of arrays
+        int64 (maps, seeds, tasks): ``steps`` of all episodes, ``first`` (steps of the first episode), ``truncated``
+        (number of episodes) and ``library_size`` after the task; int64 (maps, tasks): ``shortest`` path of each task;
+        ``states``, int64 (maps,), and ``winding``, float64 (maps,).
+    """
+    rows: list[dict[str, Any]] = []
+    for place, world in worlds:
+        tasks = tasks_of(world, letters)
+        names = (*stream_names, place)
+        lives = [learn_life(world, tasks, kind, parameters, root_seed, *names, seed).records for seed in range(seeds)]
+        rows.append(
+            {
+                "steps": [[record.steps.sum() for record in life] for life in lives],
+                "first": [[record.steps[0] for record in life] for life in lives],
+                "truncated": [[record.truncated.sum() for record in life] for life in lives],
+                "library_size": [[record.library_size for record in life] for life in lives],
+                "shortest": world.distances_to(world.start)[[task.goal for task in tasks]],
+                "states": world.n_states,
+                "winding": winding(world),
+            }
+        )
+    return _stacked(rows)
+
+
+def _stacked(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
+    types = {name: np.float64 if name == "winding" else np.int64 for name in rows[0]}
+    return {name: np.array([row[name] for row in rows], dtype=kind) for name, kind in types.items()}

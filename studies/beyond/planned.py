@@ -1,0 +1,185 @@
+"""From the configuration of the second study to its maps and jobs, and what they cost."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ptl import methods
+from ptl.config import check_tasks
+from ptl.errors import UserError
+from ptl.files.outside import learning_code
+from ptl.jobs.learn import Learn
+from ptl.measures.cost import COSTLY, Cost, steps_of_life, steps_of_task, together
+from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.mazes import GOALS
+from studies.beyond import moving_ai
+from studies.beyond.design import ARTICLE, SecondStudy
+from studies.beyond.jobs import LIVES, LivesOnMaps
+from studies.beyond.maps import MAIN
+from studies.beyond.methods import reference
+from studies.beyond.population import TABLE, MapEntry, read_population
+
+Population = Mapping[tuple[str, int], MapEntry]
+"""Rows of the table by family and seed."""
+
+
+@dataclass(frozen=True)
+class GivenMap:
+    """A map that is a file.
+
+    Attributes
+    ----------
+    path : str
+    world : GridWorld
+        With start and goals.
+    """
+
+    path: str
+    world: GridWorld
+
+    @property
+    def digest(self) -> str:
+        """Digest of the map."""
+        return map_digest(self.world.text)
+
+
+# -- maps ---------------------------------------------------------------------------------------------------------
+
+
+def population_of(study: SecondStudy) -> dict[tuple[str, int], MapEntry]:
+    """Return the row of each generated map of a study.
+
+    Raises
+    ------
+    UserError
+        If the table lacks a map.
+    """
+    rows = {(entry.family, entry.seed): entry for entry in read_population() if entry.size == study.size}
+    places = [(family, seed) for family in study.families for seed in study.seeds_of_maps]
+    for family, seed in places:
+        if (family, seed) not in rows:
+            raise UserError(
+                f"{TABLE}: has no map of the family {family}, size {study.size} and seed {seed}; make the table again"
+                " with 'python -m studies.beyond.population'"
+            )
+    return {place: rows[place] for place in places}
+
+
+def given_maps(study: SecondStudy) -> dict[tuple[str, str], GivenMap]:
+    """Return the maps of a study that are files, by family and name.
+
+    Raises
+    ------
+    UserError
+        If a map cannot be read, or lacks a task.
+    """
+    found = {}
+    for name, entry in study.article_maps.items():
+        found[name, name] = GivenMap(entry.map, load_map(entry.map))
+        check_tasks(entry.tasks, found[name, name].world.goals, f"article_maps.{name}.tasks")
+    for path in study.moving_ai:
+        found[moving_ai.FAMILY, Path(path).stem] = GivenMap(path, moving_ai.load_moving_ai(path))
+    return found
+
+
+def shown(study: SecondStudy) -> list[tuple[str, int]]:
+    """Return family and seed of each map that the explorer shows."""
+    seeds = study.seeds_of_maps[: study.explorer.maps] if study.explorer.methods else ()
+    return [(family, seed) for family in study.families for seed in seeds]
+
+
+# -- jobs ---------------------------------------------------------------------------------------------------------
+
+
+def lives_jobs(
+    study: SecondStudy, population: Population, given: Mapping[tuple[str, str], GivenMap]
+) -> dict[str, LivesOnMaps]:
+    """Return the jobs of a study by the place of their files."""
+    codes = {name: learning_code(reference(name), LIVES) for name in study.methods}
+    jobs = [
+        LivesOnMaps(
+            root_seed=study.root_seed,
+            parameters=study.groups(LivesOnMaps.READS),
+            maps=maps,
+            code=codes[name],
+            family=family,
+            size=size,
+            sequence=sequence,
+            tasks=tasks,
+            seeds=seeds,
+            method=methods.identifier(reference(name)),
+            reference=reference(name),
+            per_task=per_task,
+        )
+        for family, size, sequence, tasks, seeds, maps, name, per_task in _designed(study, population, given)
+    ]
+    return {job.place: job for job in jobs}
+
+
+def _designed(
+    study: SecondStudy, population: Population, given: Mapping[tuple[str, str], GivenMap]
+) -> Iterator[tuple[str, int, str, str, int, dict[str, str], str, int]]:
+    """Yield family, size, sequence, tasks, lives on each map, digests of the maps, method and skills a task."""
+    sizes, others = study.library_sizes, study.sequences
+    as_they_are = [(name, 0) for name in study.methods]
+    sized = [(name, number) for name in sizes.methods for number in sizes.per_task]
+    plans = [(MAIN, study.maps, *variant) for variant in as_they_are]
+    plans += [(sequence, others.maps, name, 0) for sequence in others.names for name in others.methods]
+    plans += [(MAIN, sizes.maps, *variant) for variant in sized]
+    for family in study.families:
+        for sequence, number, name, per_task in plans:
+            seeds = study.seeds_of_maps[:number]
+            for batch in (seeds[first : first + study.batch] for first in range(0, len(seeds), study.batch)):
+                maps = {str(seed): population[family, seed].hash for seed in batch}
+                yield family, study.size, sequence, GOALS, study.seeds, maps, name, per_task
+    for name, per_task in (*as_they_are, *sized):
+        for family, entry in study.article_maps.items():
+            maps = {family: given[family, family].digest}
+            yield family, 0, ARTICLE, entry.tasks, study.article_seeds, maps, name, per_task
+        for place in (Path(path).stem for path in study.moving_ai):
+            maps = {place: given[moving_ai.FAMILY, place].digest}
+            yield moving_ai.FAMILY, 0, MAIN, GOALS, study.seeds, maps, name, per_task
+
+
+def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:
+    """Return the jobs whose lives the explorer shows, by the place of their files."""
+    jobs = [
+        Learn(
+            root_seed=study.root_seed,
+            parameters=study.groups(Learn.READS),
+            maps={population[place].name: population[place].hash},
+            code=learning_code(reference(name)),
+            environment=population[place].name,
+            tasks=GOALS,
+            method=methods.identifier(reference(name)),
+            reference=reference(name),
+            seed=0,
+        )
+        for place in shown(study)
+        for name in study.explorer.methods
+    ]
+    return {job.place: job for job in jobs}
+
+
+# -- cost ---------------------------------------------------------------------------------------------------------
+
+
+def cost_of_lives(
+    jobs: Iterable[LivesOnMaps], population: Population, given: Mapping[tuple[str, str], GivenMap]
+) -> Cost:
+    """Estimate what jobs take together."""
+    number, lives, steps = 0, 0, 0.0
+    for job in jobs:
+        number += 1
+        lives += job.seeds * len(job.maps)
+        learning = job.settings.learning
+        for place in job.places:
+            if job.size:
+                entry = population[job.family, int(place)]
+                taken = sum(steps_of_task(entry.states, length, learning) for length in entry.shortest_paths)
+            else:
+                taken = steps_of_life(given[job.family, place].world, job.tasks, learning)
+            steps += job.seeds * taken * COSTLY.get(job.method, 1)
+    return together(number, lives, steps)
