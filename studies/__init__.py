@@ -1,0 +1,1 @@
+"""Studies beside the reproduction, a folder each, which can be removed."""

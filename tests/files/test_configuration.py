@@ -6,8 +6,6 @@ import copy
 import json
 import math
 import os
-import re
-from pathlib import Path
 from typing import Any, get_args, get_origin
 
 import msgspec
@@ -17,11 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from projects import ROOT
 
-from ptl.report.config_page import MARK, json_schema, tables
 from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.keys import Key, keys_of
+from ptl.report.config_page import MARK, json_schema, tables
 
 PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 

@@ -199,12 +199,6 @@ def test_the_shipped_configurations_are_right(monkeypatch):
     assert half.hours < cost.hours and half.jobs == -(-cost.jobs // 2)
 
 
-def test_files_are_described():
-    text = (FOLDER / "README.md").read_text()
-    assert all(f"| `{name}` | {' × '.join(array.shape)} | {array.meaning} |" in text
-               for name, array in LivesOnMaps.ARRAYS.items())  # fmt: skip
-
-
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
