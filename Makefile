@@ -21,7 +21,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report robustness fit benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
+.PHONY: help reproduce smoke report benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -42,11 +42,6 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
 
-robustness: build  ## Vary what the article leaves open: reports/published/robustness/ (a quarter of an hour).
-	$(SNAKEMAKE) robustness
-
-fit: build  ## Search for drawings and settings that fit the claims: reports/published/fit/ (half an hour).
-	$(SNAKEMAKE) fit
 
 # The learners are tested first, because only here all of them are installed.
 benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).

@@ -54,6 +54,12 @@ class Project:
         if config is not None:
             self.configure({**config, **changes})
 
+    def add_study(self, name: str) -> None:
+        """Copy a folder of studies/."""
+        target = self.folder / "studies"
+        shutil.copytree(ROOT / "studies" / name, target / name, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copy(ROOT / "studies/__init__.py", target)
+
     @property
     def config(self) -> dict[str, Any]:
         """The configuration file as it is now."""

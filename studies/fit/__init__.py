@@ -1,0 +1,1 @@
+"""The search for a reading of the article that fits its claims: a frozen record, see README.md."""

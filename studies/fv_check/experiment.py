@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
@@ -28,24 +27,17 @@ from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.policies import greedy_policy
 from ptl.config import Parameters
-from ptl.errors import UserError
-from ptl.files.arrays import read_arrays, write_arrays
-from ptl.files.provenance import code_digest
-from ptl.files.schema import GAIN
 from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
 
-LETTERS: Mapping[int, str] = MappingProxyType({1: "A", 2: "B", 3: "C", 4: "D", 5: "E"})
+LETTERS: Mapping[str, str] = MappingProxyType({"1": "A", "2": "B", "3": "C", "4": "D", "5": "E"})
 """FV's tasks 1 to 5 as goals of environment 3 (source: the map's public encodings)."""
 
 NEW_TASK = "F"
 """FV's task Omega as a goal of environment 3."""
 
-TRIALS, MAX_STEPS = 2000, 100
-"""K and H of FV."""
-
-LIBRARY_TRIALS = 20_000
-"""Trials in which each policy of the library is learned (our choice)."""
+MAX_STEPS = 100
+"""H of FV."""
 
 PARAMETERS = Parameters.from_dict(
     {
@@ -55,46 +47,81 @@ PARAMETERS = Parameters.from_dict(
 )
 """FV's values, whatever the main comparison uses; epsilon is ours and serves plain Q-learning only."""
 
+REUSE, PLAIN = "policy_reuse", "no_transfer"
+"""Methods that learn the new task with a library and without, and the library's policies (the latter)."""
+
+STREAM = "fernandez_veloso"
+"""First name of every random stream."""
+
 
 @dataclass(frozen=True)
-class Arm:
-    """One curve of the experiment.
+class PastTasks:
+    """A library of the experiment: the tasks whose policies it holds.
 
     Attributes
     ----------
-    tasks : tuple of int
-        FV's tasks whose policies are in the library; without any it is plain Q-learning.
+    tasks : str
+        FV's numbers of the tasks, such as "234"; empty for plain Q-learning.
     published : float or None
         Mean gain over 2000 trials, read off FV's figure (their agent's position is noisy).
     """
 
-    tasks: tuple[int, ...]
+    tasks: str
     published: float | None
 
     @property
     def name(self) -> str:
         """Name in files and tables."""
-        return "library_" + "".join(map(str, self.tasks)) if self.tasks else "q_learning"
+        return f"library_{self.tasks}" if self.tasks else "q_learning"
 
     @property
     def label(self) -> str:
         """Name in figures."""
-        return f"library {{{', '.join(map(str, self.tasks))}}}" if self.tasks else "plain Q-learning"
+        return f"library {{{', '.join(self.tasks)}}}" if self.tasks else "plain Q-learning"
 
 
-ARMS = {
-    arm.name: arm for arm in (Arm((), None), Arm((2, 3, 4), 0.07), Arm((1, 2, 3, 4), 0.25), Arm((2, 3, 4, 5), 0.275))
-}
-"""The curves by name, with the values read off FV's figure."""
+LIBRARIES = tuple(PastTasks(*values) for values in (("", None), ("234", 0.07), ("1234", 0.25), ("2345", 0.275)))
+"""The libraries that are compared, with the values read off FV's figure."""
 
 
-# -- learning ------------------------------------------------------------------------------------------------
+def learn_library(
+    world: GridWorld,
+    tasks: str,
+    parameters: Parameters,
+    root_seed: int,
+    seed: int,
+    trials: int,
+    library_trials: int,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Learn FV's new task with the policies of past tasks, with one seed.
+
+    Returns
+    -------
+    gains : float array (trials,)
+    quality : float array (past tasks,)
+        Mean gain of each policy in its own task over all starts, as a share of the optimum.
+    """
+    names = (STREAM, seed)
+    name = PastTasks(tasks, None).name
+    method = _new_method(REUSE if tasks else PLAIN, world, parameters, root_seed, *names, name)
+    quality = []
+    for task in tasks:
+        goal = world.goal(LETTERS[task])
+        # named by seed and task only: the same policy in every library
+        past = (*names, "past", int(task))
+        teacher = _new_method(PLAIN, world, parameters, root_seed, *past)
+        _, learner = learn_gains(world, goal, teacher, parameters, library_trials, past, root_seed)
+        method.end_task(learner)
+        quality.append(policy_quality(world, greedy_policy(learner.q), goal, parameters))
+    gains, _ = learn_gains(world, world.goal(NEW_TASK), method, parameters, trials, (*names, name), root_seed)
+    return gains, np.array(quality)
 
 
 def learn_gains(
     world: GridWorld,
     goal: int,
     method: BaseMethod,
+    parameters: Parameters,
     trials: int,
     seed_names: Iterable[str | int],
     root_seed: int,
@@ -109,7 +136,7 @@ def learn_gains(
         With the final action values.
     """
     names = tuple(seed_names)
-    learning = PARAMETERS.learning
+    learning = parameters.learning
     starts = random_starts(world, goal, trials, seeding.generator(root_seed, *names, "starts"))
     learner = Learner(
         Dynamics(world.successors),
@@ -136,42 +163,7 @@ def random_starts(world: GridWorld, goal: int, number: int, random: np.random.Ge
     return random.choice(np.flatnonzero(distance > 0), size=number).tolist()
 
 
-def learn_arm(
-    world: GridWorld,
-    arm: Arm,
-    seed: int,
-    root_seed: int,
-    trials: int = TRIALS,
-    library_trials: int = LIBRARY_TRIALS,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Learn FV's new task with one library and one seed.
-
-    Returns
-    -------
-    gains : float array (trials,)
-    quality : float array (tasks in the library,)
-        Mean gain of each policy in its own task over all starts, as a share of the optimum.
-    """
-    names = ("fernandez_veloso", seed)
-    method = _new_method("policy_reuse" if arm.tasks else "no_transfer", world, root_seed, *names, arm.name)
-    quality = []
-    for task in arm.tasks:
-        goal = world.goal(LETTERS[task])
-        # named by seed and task only: the same policy in every library
-        past = (*names, "past", task)
-        teacher = _new_method("no_transfer", world, root_seed, *past)
-        _, learner = learn_gains(world, goal, teacher, library_trials, past, root_seed)
-        method.end_task(learner)
-        quality.append(policy_quality(world, greedy_policy(learner.q), goal))
-    gains, _ = learn_gains(world, world.goal(NEW_TASK), method, trials, (*names, arm.name), root_seed)
-    return gains, np.array(quality)
-
-
-def _new_method(identifier: str, world: GridWorld, root_seed: int, *names: str | int) -> BaseMethod:
-    return methods.load(identifier)(world, PARAMETERS, seeding.generator(root_seed, *names, "choices"))
-
-
-def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
+def policy_quality(world: GridWorld, policy: np.ndarray, goal: int, parameters: Parameters) -> float:
     """Return the mean discounted return of a policy over all starts that reach the goal, as a share of the optimum's.
 
     Parameters
@@ -179,88 +171,21 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int) -> float:
     policy : int8 array (n_states,)
         Action of each state, -1 (where the agent would stand still) if undefined.
     """
-    gamma = PARAMETERS.learning.gamma
+    gamma, limit = parameters.learning.gamma, parameters.learning.max_steps
     distance = world.distances_to(goal)
     starts = np.flatnonzero(distance > 0)
     state = starts.copy()
     gain = np.zeros(len(starts))
     successors = np.where(policy >= 0, world.successors[np.arange(world.n_states), policy], np.arange(world.n_states))
-    for step in range(MAX_STEPS):
+    for step in range(limit):
         before = state
         state = np.where(state == goal, goal, successors[state])
         gain[(state == goal) & (before != goal)] = gamma**step
-    within = distance[starts] <= MAX_STEPS
+    within = distance[starts] <= limit
     return float(gain.sum() / (within * gamma ** (distance[starts] - 1.0)).sum())
 
 
-# -- files ---------------------------------------------------------------------------------------------------
-
-
-def run_job(
-    world: GridWorld,
-    arm_name: str,
-    seeds: Iterable[int],
-    root_seed: int,
-    trials: int,
-    library_trials: int,
-    output: Path,
-) -> None:
-    """Learn one arm with several seeds and write the gains, float array (seeds, trials)."""
-    if arm_name not in ARMS:
-        raise UserError(f"library {arm_name!r} is unknown; known are {', '.join(ARMS)}")
-    arm = ARMS[arm_name]
-    seeds = list(seeds)
-    lives = [learn_arm(world, arm, seed, root_seed, trials, library_trials) for seed in seeds]
-    arrays = {
-        "seeds": np.array(seeds, dtype=np.int64),
-        "gain": np.array([gains for gains, _ in lives]),
-        "policy_quality": np.array([quality for _, quality in lives]),
-    }
-    origin = {
-        "arm": arm_name,
-        "root_seed": root_seed,
-        "library_trials": library_trials,
-        "parameters": PARAMETERS.to_dict(),
-        "map": world.text,
-        "code": code_digest("studies.fv_check.experiment", "ptl.methods.policy_reuse", "ptl.methods.no_transfer"),
-    }
-    write_arrays(output, GAIN, arrays, origin)
-
-
-@dataclass(frozen=True)
-class Gains:
-    """Results of one job: gains (seeds, trials) and quality of the library's policies (seeds, tasks)."""
-
-    arm: Arm
-    gain: np.ndarray
-    quality: np.ndarray
-
-    @property
-    def mean_gain(self) -> np.ndarray:
-        """W over the first k trials for k = 1, 2, ..., float array (seeds, trials)."""
-        return np.cumsum(self.gain, axis=1) / np.arange(1, self.gain.shape[1] + 1)
-
-
-def read_gains(paths: Iterable[str | Path]) -> list[Gains]:
-    """Read the files of several arms; they come in the order of `ARMS`.
-
-    Raises
-    ------
-    UserError
-        When a file is damaged, an arm is given twice, or numbers of trials differ.
-    """
-    found: dict[str, Gains] = {}
-    for path in paths:
-        arrays, origin = read_arrays(path, GAIN)
-        name = str(origin["arm"])
-        if name not in ARMS:
-            raise UserError(f"{path}: library {name!r} is unknown; known are {', '.join(ARMS)}")
-        if name in found:
-            raise UserError(f"{path}: library {name} is given twice; name each file once")
-        found[name] = Gains(ARMS[name], arrays["gain"], arrays["policy_quality"])
-    trials = {gains.gain.shape[1] for gains in found.values()}
-    if len(trials) > 1:
-        raise UserError(
-            f"files with {' and '.join(map(str, sorted(trials)))} trials cannot be compared; make them again"
-        )
-    return [found[name] for name in ARMS if name in found]
+def _new_method(
+    identifier: str, world: GridWorld, parameters: Parameters, root_seed: int, *names: str | int
+) -> BaseMethod:
+    return methods.load(identifier)(world, parameters, seeding.generator(root_seed, *names, "choices"))

@@ -11,28 +11,21 @@ import pandas as pd
 from ptl.report.figures import style
 from ptl.report.figures.bands import mean_band
 from ptl.text import number, percent
-from studies.fv_check.experiment import Gains, read_gains
+from studies.fv_check.jobs import Gains
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ptl.config import Statistics
-    from ptl.report.script import Script
 
 POINTS = 400
 """Trials at which a curve is drawn; more would not be seen."""
 
 
-def make(script: Script) -> tuple[Figure, pd.DataFrame]:
-    """Draw the gain of every library."""
-    frame = gain_frame(read_gains(script.input.policy_reuse_experiment), script.groups.statistics)
-    return draw(frame), frame
-
-
 def gain_frame(gains: Sequence[Gains], statistics: Statistics) -> pd.DataFrame:
     """Return the plotted numbers.
 
-    Columns arm, library, trials (k), gain (mean over seeds of the mean gain over the first k trials), ci_low,
+    Columns name, library, trials (k), gain (mean over seeds of the mean gain over the first k trials), ci_low,
     ci_high, seeds, published (at the last trial only), confidence.
     """
     parts = []
@@ -41,12 +34,12 @@ def gain_frame(gains: Sequence[Gains], statistics: Statistics) -> pd.DataFrame:
         shown = np.unique(np.linspace(1, trials, min(POINTS, trials)).round().astype(int))
         mean, low, high = mean_band(item.mean_gain[:, shown - 1], statistics.confidence, statistics.resamples)
         published = np.full(len(shown), np.nan)
-        published[-1] = np.nan if item.arm.published is None else item.arm.published
+        published[-1] = np.nan if item.library.published is None else item.library.published
         parts.append(
             pd.DataFrame(
                 {
-                    "arm": item.arm.name,
-                    "library": item.arm.label,
+                    "name": item.library.name,
+                    "library": item.library.label,
                     "trials": shown,
                     "gain": mean,
                     "ci_low": low,
@@ -69,8 +62,8 @@ def draw(frame: pd.DataFrame) -> Figure:
     baseline, _ = style.method_look("no_transfer")
     colours = iter(style.CATEGORIES)
     ends = []
-    for arm, part in frame.groupby("arm", sort=False):
-        colour = baseline if arm == "q_learning" else next(colours)
+    for name, part in frame.groupby("name", sort=False):
+        colour = baseline if name == "q_learning" else next(colours)
         axes.fill_between(part["trials"], part["ci_low"], part["ci_high"], color=colour, alpha=0.2, linewidth=0)
         axes.plot(part["trials"], part["gain"], color=colour)
         end = part.iloc[-1]

@@ -11,14 +11,15 @@ from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
 from ptl.measures.statistics import Resampling, mean, named_generator
 from ptl.report.table import Table, text_table
 from ptl.text import MISSING, interval, number, percent
-from studies.fv_check.experiment import LIBRARY_TRIALS, MAX_STEPS, NEW_TASK, Gains
+from studies.fv_check.experiment import MAX_STEPS, NEW_TASK, STREAM
+from studies.fv_check.jobs import Gains
 
 DIFFERENCES = (
     "The source's agent moves in continuous space with noise on its position; ours moves from cell to cell without"
     " noise.",
     "Published values are read off a figure of the source (about ±0.01).",
     "The policies of the library are learned in the same setting by plain Q-learning (ε-greedy, ε = 0.1) over"
-    f" {number(LIBRARY_TRIALS)} trials, anew for every seed (our choice); their mean gain in their own tasks, as a"
+    " {library_trials} trials, anew for every seed (our choice); their mean gain in their own tasks, as a"
     " share of the optimum, is in the column “library quality”.",
     "Where a past policy's values are all equal (never informed) the new policy acts (our choice).",
     "A start is drawn uniformly from all cells but the goal (our choice).",
@@ -28,20 +29,20 @@ DIFFERENCES = (
 
 
 def gain_frame(gains: Iterable[Gains], how: Resampling) -> pd.DataFrame:
-    """Compute the mean gain over all trials, one row an arm.
+    """Compute the mean gain over all trials, one row a library.
 
-    Columns arm, library, trials, seeds, gain, ci_low, ci_high, std, published, difference, library_quality (mean over
+    Columns name, library, trials, seeds, gain, ci_low, ci_high, std, published, difference, library_quality (mean over
     seeds and policies).
     """
     rows = []
     for item in gains:
         final = item.gain.mean(axis=1)
-        estimate = mean(final, how, named_generator("fernandez_veloso", item.arm.name, "gain"))
-        published = np.nan if item.arm.published is None else item.arm.published
+        estimate = mean(final, how, named_generator(STREAM, item.library.name, "gain"))
+        published = np.nan if item.library.published is None else item.library.published
         rows.append(
             {
-                "arm": item.arm.name,
-                "library": item.arm.label,
+                "name": item.library.name,
+                "library": item.library.label,
                 "trials": item.gain.shape[1],
                 "seeds": len(final),
                 "gain": estimate.value,
@@ -74,8 +75,14 @@ def agreement(frame: pd.DataFrame) -> str:
     return " ".join(sentences)
 
 
-def gain_table(frame: pd.DataFrame, confidence: float) -> Table:
-    """Lay out the frame of `gain_frame`."""
+def gain_table(frame: pd.DataFrame, confidence: float, library_trials: int) -> Table:
+    """Lay out the frame of `gain_frame`.
+
+    Parameters
+    ----------
+    library_trials : int
+        Trials in which each policy of a library was learned.
+    """
     first = frame.iloc[0]
     rows = [
         (
@@ -94,5 +101,9 @@ def gain_table(frame: pd.DataFrame, confidence: float) -> Table:
         " comparison.",
         ("library", "gain", f"{percent(confidence)} interval", "published", "library quality"),
         rows,
-        (agreement(frame), "Known differences from the source:", *DIFFERENCES),
+        (
+            agreement(frame),
+            "Known differences from the source:",
+            *(text.format(library_trials=number(library_trials)) for text in DIFFERENCES),
+        ),
     )

@@ -1,18 +1,18 @@
-"""From config/robustness.yaml to the settings of the robustness study.
+"""From the study's file to the points that it tries.
 
-Three groups of settings: ``reference`` (replicates of the run's own configuration with other random numbers),
+Three groups of points: ``reference`` (replicates of the run's own configuration with other random numbers),
 ``one_at_a_time`` (a single unknown moved to each of its values) and ``latin_hypercube`` (all at once).
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 
-from ptl.config import TITLE, Configuration, Parameters
+from ptl.config import TITLE, Parameters
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
 from ptl.keys import ConfigurationError, Group, key, text
@@ -82,7 +82,7 @@ class Unknown(Group, frozen=True, kw_only=True):
         return int(np.clip(round(value), low, high)) if whole else float(f"{value:.4g}")
 
 
-class StudyGrowth(Group, frozen=True, kw_only=True):
+class GrowthEffort(Group, frozen=True, kw_only=True):
     """Growth of the skill library in each setting; the rest is as in the run."""
 
     tasks: Annotated[int, key("Tasks in one life.", ge=2, le=10**5)]
@@ -96,7 +96,7 @@ class LatinHypercube(Group, frozen=True, kw_only=True):
     seed: Annotated[int, key("Seed of their draw.", ge=0, le=2**63 - 1)]
 
 
-class Study(Group, frozen=True, kw_only=True):
+class Robustness(Group, frozen=True, kw_only=True):
     """The robustness study: its unknowns and its effort."""
 
     seeds: Annotated[int, key("Learning runs per environment and method in each setting.", ge=1, le=10**5)]
@@ -105,7 +105,7 @@ class Study(Group, frozen=True, kw_only=True):
     step_budget: Annotated[
         int, key("Steps after which a method is given up in an environment of a setting.", ge=1, le=10**15)
     ]
-    growth: StudyGrowth
+    growth: GrowthEffort
     latin_hypercube: LatinHypercube
     unknowns: Annotated[dict[Annotated[str, key("", **UNKNOWN)], Unknown], key("Unknowns by their keys.")]
 
@@ -130,19 +130,19 @@ class Study(Group, frozen=True, kw_only=True):
                 except ConfigurationError as error:
                     raise ConfigurationError(f"unknowns.{error.key}", error.problem) from None
 
-    def settings(self) -> list["Setting"]:
-        """Return all settings; the names are fit for files."""
+    def points(self) -> list["Point"]:
+        """Return all points; the names are fit for files."""
         return [
-            *(Setting(f"reference_{number}", REFERENCE) for number in range(1, self.replicates + 1)),
+            *(Point(f"reference_{number}", REFERENCE) for number in range(1, self.replicates + 1)),
             *(
-                Setting(f"{name}_{_file_part(value)}", ONE_AT_A_TIME, {name: value})
+                Point(f"{name}_{_file_part(value)}", ONE_AT_A_TIME, {name: value})
                 for name, unknown in self.unknowns.items()
                 for value in unknown.values
             ),
             *self._hypercube(),
         ]
 
-    def _hypercube(self) -> Iterator["Setting"]:
+    def _hypercube(self) -> Iterator["Point"]:
         if not self.latin_hypercube.settings:
             return
         from scipy.stats import qmc
@@ -153,11 +153,11 @@ class Study(Group, frozen=True, kw_only=True):
             changes = {
                 name: unknown.value_at(share) for (name, unknown), share in zip(varied.items(), point, strict=True)
             }
-            yield Setting(f"hypercube_{number:03d}", LATIN_HYPERCUBE, changes)
+            yield Point(f"hypercube_{number:03d}", LATIN_HYPERCUBE, changes)
 
 
 @dataclass(frozen=True)
-class Setting:
+class Point:
     """One point of the study: a name, its group and the changed unknowns with their values."""
 
     name: str
@@ -172,8 +172,8 @@ def _file_part(value: Any) -> str:
     return "_".join(re.sub(r"[^a-z0-9.]+|\.\.+", "_", str(part).lower()) for part in parts)
 
 
-def read_study(path: str | Path) -> Study:
-    """Read and check config/robustness.yaml.
+def read_study(path: str | Path) -> Robustness:
+    """Read and check the study's file.
 
     Raises
     ------
@@ -182,61 +182,6 @@ def read_study(path: str | Path) -> Study:
     """
     content = read_yaml(path)
     try:
-        return Study.from_dict(content)
+        return Robustness.from_dict(content)
     except ConfigurationError as error:
         raise UserError(f"{path}: {error}") from error
-
-
-# -- jobs
-
-
-def job_of(setting: Setting, study: Study, config: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what one setting's job needs, as plain data.
-
-    Parameters
-    ----------
-    config : mapping
-        The completed configuration of the run, which gives all that the study does not change.
-
-    Raises
-    ------
-    UserError
-        If the run cannot have this setting: an environment that it does not have, or a value that does not fit others.
-    """
-    changes = {"learning__max_steps": study.max_steps}
-    changes |= {f"growth__{name}": value for name, value in study.growth.to_dict().items()}
-    maps: dict[str, dict[str, Any]] = {name: {} for name in config["environments"]}
-    for unknown, value in setting.changes.items():
-        group, _, name = unknown.partition(".")
-        if name not in KINDS:
-            changes[f"{group}__{name}"] = value
-        elif group in maps:
-            maps[group][name] = value
-        else:
-            raise ConfigurationError(
-                f"unknowns.{unknown}", f"environment {group} is not in this run ({', '.join(maps)})"
-            )
-    try:
-        changed = Configuration.from_dict(config).replace(**changes)
-    except ConfigurationError as error:
-        raise UserError(f"robustness study, setting {setting.name}: {error}") from error
-    return {
-        "setting": setting.name,
-        "group": setting.group,
-        "changes": setting.changes,
-        "environments": {
-            name: {"map": entry.map, "tasks": entry.tasks, "changes": maps[name]}
-            for name, entry in changed.environments.items()
-        },
-        "methods": changed.methods,
-        "seeds": study.seeds,
-        "root_seed": changed.root_seed,
-        "parameters": {group: getattr(changed, group).to_dict() for group in Parameters.__struct_fields__},
-        "step_budget": study.step_budget,
-        "growth": {"environment": changed.growth.environment, **study.growth.to_dict()},
-    }
-
-
-def jobs_of(study: Study, config: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the job of every setting by the setting's name, in the order of the study."""
-    return {setting.name: job_of(setting, study, config) for setting in study.settings()}

@@ -25,7 +25,7 @@ def share_table(shares: pd.DataFrame, settings: pd.DataFrame) -> Table:
         for group in GROUPS[1:]:
             parts = [row[f"{group}_{verdict}"] for verdict in ("reproduced", "partly_reproduced", "not_reproduced")]
             cells.append(" / ".join(MISSING if np.isnan(part) else percent(round(part, 2)) for part in parts))
-        cells += [row[name] or MISSING for name in ("hangs_on", "flipped_by", "associated_with")]
+        cells += [row[name] or MISSING for name in ("most_affected_by", "flipped_by", "associated_with")]
         rows.append(cells)
     headings = (
         "claim",
@@ -92,7 +92,7 @@ def unknown_table(table: pd.DataFrame) -> Table:
         " associated when all move at once.",
         ("unknown", "rank", "claims changed", "which", "claims associated", "associations"),
         rows,
-        ("Key of each unknown and its values: config/robustness.yaml; numbers: unknowns.csv.",),
+        ("Key of each unknown and its values: studies/robustness/config/robustness.yaml; numbers: unknowns.csv.",),
         ("which", "associations"),
     )
 

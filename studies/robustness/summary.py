@@ -55,7 +55,7 @@ def read_tables(paths: Iterable[str | Path], columns: Sequence[str] = ("setting"
     """
     frames = [read_table(path, columns) for path in paths]
     if not frames:
-        raise UserError("no setting to put together; run 'snakemake robustness'")
+        raise UserError("no setting to put together; run 'make robustness'")
     return pd.concat([frame for frame in frames if len(frame)] or frames[:1], ignore_index=True)
 
 
@@ -178,8 +178,8 @@ def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.D
         Columns claim, reference (verdict of most replicates), agreement; for each group of settings its
         size, the shares with each verdict (``one_at_a_time_reproduced``, ...) and the mean score;
         flipped_by (unknowns with values, one at a time, greatest change first); associated_with (unknowns of
-        the Latin hypercube with their association, strongest first, p-value below `SIGNIFICANT`); hangs_on
-        (the first of these, see `_hangs_on`).
+        the Latin hypercube with their association, strongest first, p-value below `SIGNIFICANT`); most_affected_by
+        (the first of these, see `_most_affected_by`).
     """
     reference = reference_verdicts(verdicts)
     turned = flips(verdicts)
@@ -201,7 +201,7 @@ def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.D
         row["associated_with"] = ", ".join(
             f"{unknowns[item.unknown].symbol} ({_strength(item)})" for item in by_rank.itertuples()
         )
-        row["hangs_on"] = _hangs_on(list(by_flip), list(by_rank["unknown"]), unknowns)
+        row["most_affected_by"] = _most_affected_by(list(by_flip), list(by_rank["unknown"]), unknowns)
         rows.append(row)
     return pd.DataFrame(rows)
 
@@ -228,7 +228,7 @@ def _flip_text(unknown: Unknown, found: pd.DataFrame) -> str:
     return f"{unknown.symbol} ({values})"
 
 
-def _hangs_on(by_flip: list[str], by_rank: list[str], unknowns: Mapping[str, Unknown]) -> str:
+def _most_affected_by(by_flip: list[str], by_rank: list[str], unknowns: Mapping[str, Unknown]) -> str:
     """Return the hypercube's first unknown that flips too; else the hypercube's first, else the first flip."""
     both = [key for key in by_rank if key in by_flip]
     chosen = (both or by_rank or by_flip)[:1]

@@ -1,11 +1,9 @@
-"""From a setting's raw file to the verdict on every claim, by the checks of the main run's ledger."""
+"""From a setting's file to the verdict on every claim, by the checks of the main run's ledger."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,11 +14,11 @@ from ptl.claims import comparisons
 from ptl.claims.claim import Judgement
 from ptl.claims.evidence import Evidence, Lacking, settings_of
 from ptl.claims.verdict import Outcome
-from ptl.learning.lives import runs_of
-from ptl.measures.measures import BASE, Runs, measure
-from ptl.world.gridworld import GridWorld
+from ptl.files.store import Result
+from ptl.measures.measures import BASE, Runs, measure, runs_of
 from studies.robustness.design import REFERENCE
-from studies.robustness.running import read_setting
+from studies.robustness.jobs import lives_in
+from studies.robustness.running import changed_worlds
 
 NOT_VARIED = {
     "selection-cost": "operations of one selection, in which no unknown enters",
@@ -30,8 +28,8 @@ NOT_VARIED = {
 
 
 @dataclass(frozen=True)
-class RawSetting:
-    """A raw file of the study as evidence for claims.
+class SettingEvidence:
+    """A setting as evidence for claims.
 
     Attributes
     ----------
@@ -49,73 +47,44 @@ class RawSetting:
     evidence: Evidence
 
 
-def load_setting(path: str | Path, groups: Any) -> RawSetting:
-    """Read a raw file and measure it.
+def evidence_of(result: Result, groups: Any) -> SettingEvidence:
+    """Measure the file of a setting.
 
     Parameters
     ----------
     groups : namespace
         Groups measures, statistics and growth of the configuration, see `ptl.claims.evidence.settings_of`.
-
-    Raises
-    ------
-    UserError
-        When the file is missing, damaged or of another kind.
     """
-    evidence, [origin] = evidence_of([path], groups)
-    job = origin["job"]
-    return RawSetting(job["setting"], job["group"], job["changes"], str(origin["status"]), evidence)
-
-
-def evidence_of(
-    paths: Iterable[str | Path], groups: Any, *, exact: bool = False, **tables: Any
-) -> tuple[Evidence, list[dict[str, Any]]]:
-    """Measure raw files together; return the evidence, and the attributes of each file.
-
-    Parameters
-    ----------
-    groups : namespace
-        See `load_setting`.
-    exact, tables
-        As in `ptl.claims.evidence.Evidence`.
-    """
+    job = result.job
+    lives = lives_in(result.arrays)
     runs: list[Runs] = []
-    worlds: dict[str, GridWorld] = {}
-    origins, growth = [], None
-    for path in paths:
-        arrays, origin = read_setting(path)
-        origins.append(origin)
-        worlds |= {name: GridWorld.from_text(text, name) for name, text in origin["maps"].items()}
-        growth = arrays.get("growth/library_size", growth)
-        for environment, entry in origin["job"]["environments"].items():
-            for method in origin["job"]["methods"]:
-                place = f"{environment}/{method}/"
-                own = {name.removeprefix(place): array for name, array in arrays.items() if name.startswith(place)}
-                if own:
-                    runs += runs_of(environment, method, entry["tasks"], own)
+    for environment, letters in job.tasks.items():
+        for method in job.methods:
+            if (environment, method) in lives:
+                runs += runs_of(environment, method, letters, lives[environment, method])
+    worlds = changed_worlds(result.worlds, job.changes) if lives else {}
     measured = measure(runs, worlds, groups.measures.window, groups.measures.threshold_factor)
     evidence = Evidence(
         per_seed=measured.per_seed,
         worlds=worlds,
         steps=measured.steps,
         subgoals=measured.subgoals,
-        growth=growth,
-        exact=exact,
-        **tables,
+        growth=result.arrays.get("growth/library_size"),
         **settings_of(groups),
     )
-    return evidence, origins
+    status = result.arrays["status"].item().decode()
+    return SettingEvidence(job.name, job.group, job.changes, status, evidence)
 
 
 # -- verdicts ------------------------------------------------------------------------------------------------
 
 
-def judge(setting: RawSetting) -> list[Judgement]:
+def judge(setting: SettingEvidence) -> list[Judgement]:
     """Return the verdict on every claim that an unknown can change."""
     return [claim.judge(setting.evidence) for claim in claims.CLAIMS if claim.id not in NOT_VARIED]
 
 
-def verdict_frame(setting: RawSetting) -> pd.DataFrame:
+def verdict_frame(setting: SettingEvidence) -> pd.DataFrame:
     """Return a row for each claim.
 
     Columns setting, group, changes (JSON), status, truncated (episodes), total_steps, claim, verdict, parts
@@ -193,7 +162,7 @@ TARGET_COLUMNS = (
 )  # fmt: skip
 
 
-def target_frame(setting: RawSetting) -> pd.DataFrame:
+def target_frame(setting: SettingEvidence) -> pd.DataFrame:
     """Return the numbers behind the claims of `TARGETS` in a setting that tests them, a row for each task and method.
 
     Columns `TARGET_COLUMNS`: means over seeds; jump start in % of the base's mean first episode, and episodes to the

@@ -5,12 +5,10 @@ from pathlib import Path
 
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
-from ptl.report import robustness as pages
-from ptl.report.figures import robustness as figure
 from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import to_markdown, write
-from studies.robustness import summary
+from studies.robustness import figure, pages, summary
 from studies.robustness.design import read_study
 
 with running(snakemake) as script:
@@ -21,7 +19,7 @@ with running(snakemake) as script:
     settings = summary.setting_table(verdicts, unknowns)
     shares = summary.share_table(verdicts, unknowns)
     ranks = summary.unknown_table(verdicts, unknowns)
-    # changes are in settings.csv, the numbers behind a verdict in the folder of results
+    # changes are in settings.csv
     write_csv(verdicts.drop(columns=["changes", "evidence"]), folder / "verdicts.csv")
     write_csv(settings, folder / "settings.csv")
     write_csv(targets, folder / "targeted.csv")

@@ -2,68 +2,79 @@
 
 from __future__ import annotations
 
-import copy
 import json
 import re
 from pathlib import Path
 
+import msgspec
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
 from made_up_run import GROUPS
-from projects import MAPS
+from projects import ROOT, TINY, Project, errors_of
 from scipy import stats
 
-from ptl import claims, measures
-from ptl.config import Parameters
+from ptl import claims
+from ptl.config import Configuration, Parameters
 from ptl.errors import UserError
+from ptl.files import store
 from ptl.files.configuration import completed
-from ptl.files.results import write_learning
+from ptl.files.csv import read_csv
+from ptl.keys import keys_of
 from ptl.learning.life import learn_life, tasks_of
-from ptl.report import robustness as pages
-from ptl.report.figures import robustness as figure
+from ptl.measures.measures import measure, runs_of
+from ptl.report.config_page import section
 from ptl.report.table import to_markdown
-from ptl.world.drawing import chain_of_rooms, changed_world, region, with_start
-from ptl.world.gridworld import GridWorld, load_map
-from studies.robustness import summary
-from studies.robustness.design import (
-    LATIN_HYPERCUBE,
-    ONE_AT_A_TIME,
-    REFERENCE,
-    Setting,
-    Study,
-    job_of,
-    jobs_of,
-)
-from studies.robustness.running import read_setting, run_setting
-from studies.robustness.verdicts import NOT_VARIED, load_setting, target_frame, verdict_frame
+from ptl.world.drawing import changed_world, region
+from ptl.world.gridworld import GridWorld, load_map, map_digest
+from studies.robustness import figure, pages, summary
+from studies.robustness.design import LATIN_HYPERCUBE, ONE_AT_A_TIME, REFERENCE, Robustness, read_study
+from studies.robustness.jobs import Setting, setting_jobs, settings_cost
+from studies.robustness.verdicts import NOT_VARIED, SettingEvidence, evidence_of, target_frame, verdict_frame
 
-CONFIG = MAPS.parent
+FOLDER = ROOT / "studies/robustness"
+STUDY_FILE = FOLDER / "config/robustness.yaml"
 
 
 @pytest.fixture(scope="module")
-def config() -> dict:
+def run() -> Configuration:
     """The completed configuration of the published run, with paths that hold in every folder."""
-    given = yaml.safe_load((CONFIG / "config.yaml").read_text())
+    given = yaml.safe_load((ROOT / "config/config.yaml").read_text())
     for entry in given["environments"].values():
-        entry["map"] = str(CONFIG.parent / entry["map"])
-    return completed(given).to_dict()
+        entry["map"] = str(ROOT / entry["map"])
+    return completed(given)
+
+
+@pytest.fixture(scope="module")
+def worlds(run: Configuration) -> dict[str, GridWorld]:
+    return {name: load_map(entry.map) for name, entry in run.environments.items()}
 
 
 @pytest.fixture(scope="module")
 def content() -> dict:
-    return yaml.safe_load((CONFIG / "robustness.yaml").read_text())
+    return yaml.safe_load(STUDY_FILE.read_text())
+
+
+@pytest.fixture(scope="module")
+def study(content: dict) -> Robustness:
+    return Robustness.from_dict(content)
+
+
+@pytest.fixture(scope="module")
+def jobs(study: Robustness, run: Configuration, worlds: dict[str, GridWorld]) -> dict[str, Setting]:
+    return setting_jobs(study, run, {name: map_digest(world.text) for name, world in worlds.items()})
 
 
 # -- design ----------------------------------------------------------------------------------------------------
 
 
-def test_the_published_study_varies_every_chosen_item(content: dict) -> None:
-    study = Study.from_dict(content)
+def test_the_published_study_varies_every_chosen_item(study: Robustness) -> None:
+    groups = {
+        group: [point for point in study.points() if point.group == group]
+        for group in (REFERENCE, ONE_AT_A_TIME, LATIN_HYPERCUBE)
+    }
     assert study.seeds >= 10
-    groups = {group: [s for s in study.settings() if s.group == group] for group in
-              (REFERENCE, ONE_AT_A_TIME, LATIN_HYPERCUBE)}  # fmt: skip
     assert len(groups[LATIN_HYPERCUBE]) >= 64
     assert len(groups[REFERENCE]) >= 2, "one replicate cannot show what chance does"
     wanted = {
@@ -73,92 +84,85 @@ def test_the_published_study_varies_every_chosen_item(content: dict) -> None:
         "subgoals.threshold", "subgoals.trajectories", "env3.start", "env1.room_size", "env1.goal_depth",
         "policy_reuse.temperature_step", "policy_reuse.psi_decay",
     }  # fmt: skip
-    assert wanted <= {key for setting in groups[ONE_AT_A_TIME] for key in setting.changes}
-    assert all(wanted <= set(setting.changes) for setting in groups[LATIN_HYPERCUBE])
+    assert wanted <= {key for point in groups[ONE_AT_A_TIME] for key in point.changes}
+    assert all(wanted <= set(point.changes) for point in groups[LATIN_HYPERCUBE])
 
 
-def test_one_at_a_time_changes_one_thing_and_really_changes_it(content: dict, config: dict) -> None:
-    study = Study.from_dict(content)
-    reference = job_of(Setting("x", REFERENCE), study, config)
-    for setting in study.settings():
-        job = job_of(setting, study, config)
-        assert re.fullmatch("[a-z0-9_.]+", setting.name), "the workflow's wildcard"
-        if setting.group == ONE_AT_A_TIME:
-            assert len(setting.changes) == 1
-            assert (job["parameters"], job["environments"]) != (reference["parameters"], reference["environments"])
-    names = [setting.name for setting in study.settings()]
-    assert len(set(names)) == len(names)
-
-
-def test_hypercube_has_one_value_in_every_stratum(content: dict) -> None:
-    study = Study.from_dict(content)
-    cube = [setting for setting in study.settings() if setting.group == LATIN_HYPERCUBE]
+def test_hypercube_has_one_value_in_every_stratum(content: dict, study: Robustness) -> None:
+    cube = [point for point in study.points() if point.group == LATIN_HYPERCUBE]
     low, high = study.unknowns["learning.alpha"].range
-    share = np.log([s.changes["learning.alpha"] / low for s in cube]) / np.log(high / low)
+    share = np.log([point.changes["learning.alpha"] / low for point in cube]) / np.log(high / low)
     assert sorted((share * len(cube)).astype(int)) == list(range(len(cube)))
-    radius = [setting.changes["subgoals.cover_radius"] for setting in cube]
+    radius = [point.changes["subgoals.cover_radius"] for point in cube]
     assert set(radius) == {0, 1, 2, 3, 4}
     assert max(radius.count(value) for value in radius) <= min(radius.count(value) for value in radius) + 2
-    assert {setting.changes["skills.null_skill"] for setting in cube} == {True, False}
-    assert cube == [s for s in Study.from_dict(content).settings() if s.group == LATIN_HYPERCUBE], "reproducible"
+    assert {point.changes["skills.null_skill"] for point in cube} == {True, False}
+    assert cube == [p for p in Robustness.from_dict(content).points() if p.group == LATIN_HYPERCUBE], "reproducible"
 
 
-def test_every_job_is_one_that_the_learner_accepts(content: dict, config: dict) -> None:
-    study = Study.from_dict(content)
-    worlds = {name: load_map(entry["map"]) for name, entry in config["environments"].items()}
-    for setting in study.settings():
-        job = job_of(setting, study, config)
-        Parameters.from_dict(job["parameters"])
-        for name, entry in job["environments"].items():
-            world = changed_world(worlds[name], entry["changes"])
-            assert "".join(world.goals) == "ABCDEF"
-    assert config["learning"]["max_steps"] == 10**7, "the run's configuration is left alone"
+def test_every_job_is_one_that_the_learner_accepts(
+    jobs: dict[str, Setting], run: Configuration, worlds: dict[str, GridWorld]
+) -> None:
+    reference = jobs["settings/reference_1.h5"]
+    for place, job in jobs.items():
+        assert place == f"settings/{job.name}.h5"
+        assert re.fullmatch("[a-z0-9_.]+", job.name), "the workflow's wildcard"
+        assert job.settings.learning.max_steps == 3_000_000
+        maps = {name: {} for name in worlds}
+        for key, value in job.changes.items():
+            if key.partition(".")[0] in maps:
+                maps[key.partition(".")[0]][key.partition(".")[2]] = value
+        changed = {name: changed_world(world, maps[name]) for name, world in worlds.items()}
+        assert all("".join(world.goals) == "ABCDEF" for world in changed.values())
+        if job.group == ONE_AT_A_TIME:
+            assert len(job.changes) == 1
+            drawn = any(changed[name].text != worlds[name].text for name in worlds)
+            assert drawn == (job.parameters == reference.parameters), "one thing is changed, and really is"
+    assert run.learning.max_steps == 10**7, "the run's configuration is left alone"
 
 
-def test_jobs_of_the_workflow_are_those_of_the_study(content: dict, config: dict) -> None:
-    study = Study.from_dict(content)
-    jobs = jobs_of(study, config)
-    assert list(jobs) == [setting.name for setting in study.settings()]
-    assert jobs["reference_1"] == job_of(Setting("reference_1", REFERENCE), study, config)
-
-
-# -- worlds ----------------------------------------------------------------------------------------------------
-
-
-def test_chain_of_rooms_is_the_published_map_at_its_own_values(env1: GridWorld) -> None:
-    assert chain_of_rooms() == env1.text
-    assert changed_world(env1, {}) is env1
-
-
-def test_other_rooms_and_goals(env1: GridWorld) -> None:
-    small = changed_world(env1, {"room_size": 6})
-    assert small.n_states == 7 * 36 + 6
-    near, far = (changed_world(env1, {"room_size": 10, "goal_depth": depth}) for depth in (0.3, 0.9))
-    for letter in "ABCDEF":
-        assert near.cells[near.goal(letter)][1] == far.cells[far.goal(letter)][1] - 6
-        assert near.cells[near.goal(letter)][0] == far.cells[far.goal(letter)][0]
-
-
-def test_another_start(env3: GridWorld) -> None:
-    moved = with_start(env3, [8, 8])
-    assert moved.cells[moved.start].tolist() == [8, 8]
-    assert moved.goals == env3.goals
-    assert moved.n_states == env3.n_states
+def test_the_cost_is_that_of_the_published_study(jobs: dict[str, Setting], worlds: dict[str, GridWorld]) -> None:
+    learned = read_csv(ROOT / "reports/robustness/settings.csv")["total_steps"].sum()
+    cost = settings_cost(jobs.values(), worlds)
+    assert cost.jobs == len(jobs) == 127
+    assert learned / 3 < cost.steps < 3 * learned
 
 
 @pytest.mark.parametrize(
-    "changes",
-    [{"start": [0, 0]}, {"start": [2, 3]}, {"start": [99, 1]}, {"room_size": 8}, {"goal_depth": 0.5}, {"doors": 2}],
+    ("change", "says"),
+    [
+        ({"seeds": 0}, "seeds"),
+        ({"more": 1}, "more: unknown"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a", "values": [2]}}}, r"unknowns\.learning\.alpha"),
+        ({"unknowns": {"learning.alhpa": {"symbol": "a", "values": [0.2]}}}, r"unknowns\.learning\.alhpa: unknown"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0.5, 0.1]}}}, "the lower first"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0, 0.1], "scale": "log"}}}, "two positive numbers"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0.1, 0.2], "options": [0.1]}}}, "beside options"),
+        ({"unknowns": {"learning.alpha": {"symbol": "_a"}}}, "learning.alpha.symbol"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a\u202eb"}}}, "learning.alpha.symbol"),
+        ({"unknowns": {"learning.alpha": {"symbol": "a", "values": [0.1, 0.1]}}}, "share the name"),
+    ],
 )
-def test_changes_that_make_no_map_are_refused(env3: GridWorld, changes: dict) -> None:
-    with pytest.raises(UserError):
-        changed_world(env3, changes)
+def test_a_wrong_study_is_refused_in_one_line(content: dict, tmp_path: Path, change: dict, says: str) -> None:
+    path = tmp_path / "robustness.yaml"
+    path.write_text(yaml.safe_dump(content | change, allow_unicode=False))
+    with pytest.raises(UserError, match=says) as caught:
+        read_study(path)
+    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize("changes", [{"room_size": 3}, {"room_size": 7.5}, {"goal_depth": 0}, {"goal_depth": 1.1}])
-def test_impossible_rooms_are_refused(env1: GridWorld, changes: dict) -> None:
-    with pytest.raises(UserError, match="is not allowed"):
-        changed_world(env1, changes)
+def test_unknowns_that_the_run_does_not_have_are_refused(content: dict, run: Configuration) -> None:
+    other = Robustness.from_dict(content | {"unknowns": {"env9.start": {"symbol": "a", "values": [[1, 1]]}}})
+    with pytest.raises(UserError, match=r"unknowns\.env9\.start: environment env9 is not in this run"):
+        setting_jobs(other, run, dict.fromkeys(run.environments, "0" * 16))
+
+
+def test_the_page_has_the_keys_of_the_study() -> None:
+    wanted = section("Keys", Robustness, list(keys_of(Robustness)))
+    assert wanted in (FOLDER / "README.md").read_text(), wanted
+
+
+# -- start cells ------------------------------------------------------------------------------------------------
 
 
 def cells_that_must_pass(world: GridWorld, through: np.ndarray, goals: list[int]) -> np.ndarray:
@@ -186,7 +190,8 @@ def cells_that_must_pass(world: GridWorld, through: np.ndarray, goals: list[int]
     return result
 
 
-def test_start_cells_are_candidates(env3: GridWorld, content: dict) -> None:
+def test_start_cells_are_candidates(worlds: dict[str, GridWorld], content: dict) -> None:
+    env3 = worlds["env3"]
     entry = content["unknowns"]["env3.start"]
     goals = [env3.goal(letter) for letter in entry["candidates"]["goals"]]
     found = np.ones(env3.n_states, dtype=bool)
@@ -214,68 +219,86 @@ SMALL_MAPS = {
 METHODS = ["no_transfer", "full_transfer", "policy_reuse", "ptl", "ptl_supervised", "ptl_unknown_goal"]
 
 
+WORLDS = {name: GridWorld.from_text(text, name) for name, text in SMALL_MAPS.items()}
+
+
 @pytest.fixture(scope="module")
-def small(tmp_path_factory: pytest.TempPathFactory) -> dict:
+def small() -> Setting:
     """A job on two small maps."""
-    folder = tmp_path_factory.mktemp("maps")
-    for name, text in SMALL_MAPS.items():
-        (folder / f"{name}.txt").write_text(text)
-    parameters = Parameters().replace(learning__episodes=15, subgoals__trajectories=5).to_dict()
-    return {
-        "setting": "reference_1",
-        "group": REFERENCE,
-        "changes": {},
-        "environments": {
-            name: {"map": str(folder / f"{name}.txt"), "tasks": "AB", "changes": {}} for name in SMALL_MAPS
-        },
-        "methods": METHODS,
-        "seeds": 3,
-        "root_seed": 11,
-        "parameters": parameters,
-        "step_budget": 10**9,
-        "growth": {"environment": "env3", "tasks": 4, "runs": 2},
-    }
+    parameters = Parameters().replace(learning__episodes=15, subgoals__trajectories=5)
+    return Setting(
+        root_seed=11,
+        parameters={name: getattr(parameters, name).to_dict() for name in Setting.READS},
+        maps={name: map_digest(world.text) for name, world in WORLDS.items()},
+        code="0" * 16,
+        name="reference_1",
+        group=REFERENCE,
+        changes={},
+        tasks=dict.fromkeys(SMALL_MAPS, "AB"),
+        methods=METHODS,
+        seeds=3,
+        step_budget=10**9,
+        growth_environment="env3",
+        growth_tasks=4,
+        growth_runs=2,
+    )
 
 
-def test_a_raw_file_gives_the_measures_of_the_main_runs_own_code(small: dict, tmp_path: Path) -> None:
-    run_setting(small, tmp_path / "raw.h5")
-    setting = load_setting(tmp_path / "raw.h5", GROUPS)
+def result_of(job: Setting, folder: Path, **changes: object) -> store.Result:
+    job = msgspec.structs.replace(job, **changes)
+    path = folder / f"{job.name}_{job.digest}.h5"
+    store.write(path, job, job.run(WORLDS), WORLDS)
+    return store.read(path, job)
+
+
+def evidence(job: Setting, folder: Path, **changes: object) -> SettingEvidence:
+    return evidence_of(result_of(job, folder, **changes), GROUPS)
+
+
+def test_a_setting_gives_the_measures_of_the_main_runs_own_code(small: Setting, tmp_path: Path) -> None:
+    setting = evidence(small, tmp_path)
     assert setting.status == "complete"
-    parameters = Parameters.from_dict(small["parameters"])
-    paths = []
-    for name, entry in small["environments"].items():
-        world = load_map(entry["map"])
+    runs = []
+    for name, world in WORLDS.items():
         for method in METHODS:
-            for seed in range(3):
-                life = learn_life(
-                    world, tasks_of(world, "AB"), method, parameters, 11, "robustness", "reference_1", name, seed
+            lives = [
+                learn_life(
+                    world, tasks_of(world, "AB"), method, small.settings, 11, "robustness", small.name, name, seed
                 )
-                origin = {"environment": name, "method": method, "seed": seed, "root_seed": 11}
-                origin["parameters"] = small["parameters"]
-                paths.append(tmp_path / f"{name}_{method}_{seed}.h5")
-                write_learning(paths[-1], life, world, origin | {"code": "0" * 16})
-    expected = measures.measure_files(paths, 10, 1.5)
+                for seed in range(3)
+            ]
+            steps = np.array([[record.steps for record in life.records] for life in lives])
+            truncated = np.array([[record.truncated.sum() for record in life.records] for life in lives])
+            runs += runs_of(name, method, "AB", {"seeds": np.arange(3), "steps": steps, "truncated": truncated})
+    expected = measure(runs, WORLDS, 10, 1.5)
     pd.testing.assert_frame_equal(setting.evidence.per_seed, expected.per_seed)
-    pd.testing.assert_frame_equal(setting.evidence.subgoals, expected.subgoals)
-    assert setting.evidence.steps.keys() == expected.steps.keys()
     for key, steps in expected.steps.items():
         assert np.array_equal(setting.evidence.steps[key], steps)
     total = sum(int(steps.sum()) for steps in expected.steps.values())
     assert verdict_frame(setting)["total_steps"].unique().tolist() == [total]
 
 
-def test_equal_settings_give_equal_bytes_and_settings_share_no_random_numbers(small: dict, tmp_path: Path) -> None:
-    job = small | {"methods": ["ptl"], "seeds": 1}
-    for name, setting in (("a", "reference_1"), ("b", "reference_1"), ("c", "reference_2")):
-        run_setting(job | {"setting": setting}, tmp_path / f"{name}.h5")
-    assert (tmp_path / "a.h5").read_bytes() == (tmp_path / "b.h5").read_bytes()
-    one, other = (read_setting(tmp_path / f"{name}.h5")[0]["env1/ptl/steps"] for name in "ac")
-    assert not np.array_equal(one, other)
+def test_equal_settings_give_equal_bytes_and_settings_share_no_random_numbers(small: Setting, tmp_path: Path) -> None:
+    brief = msgspec.structs.replace(small, methods=["ptl"], seeds=1)
+    one = result_of(brief, tmp_path)
+    before = one.path.read_bytes()
+    assert result_of(brief, tmp_path).path.read_bytes() == before
+    other = result_of(brief, tmp_path, name="reference_2")
+    assert not np.array_equal(one.arrays["env1/ptl/steps"], other.arrays["env1/ptl/steps"])
+    with pytest.raises(UserError, match="was made with name 'reference_2', not 'reference_1'"):
+        store.read(other.path, brief)
 
 
-def test_a_setting_that_runs_out_of_steps_says_so_and_keeps_what_it_has(small: dict, tmp_path: Path) -> None:
-    run_setting(small | {"step_budget": 1}, tmp_path / "raw.h5")
-    setting = load_setting(tmp_path / "raw.h5", GROUPS)
+def test_a_changed_map_is_made_from_that_of_the_job(small: Setting, tmp_path: Path) -> None:
+    result = result_of(small, tmp_path, changes={"env1.start": [2, 2]}, methods=["no_transfer"])
+    assert result.maps["env1"] == SMALL_MAPS["env1"]
+    setting = evidence_of(result, GROUPS)
+    world = setting.evidence.worlds["env1"]
+    assert world.cells[world.start].tolist() == [2, 2]
+
+
+def test_a_setting_that_runs_out_of_steps_says_so_and_keeps_what_it_has(small: Setting, tmp_path: Path) -> None:
+    setting = evidence(small, tmp_path, step_budget=1)
     assert "env1, no_transfer: given up after 1 of 3 seeds" in setting.status
     assert setting.evidence.steps["env3", "ptl", "B"].shape == (1, 15)
     frame = verdict_frame(setting)
@@ -283,20 +306,31 @@ def test_a_setting_that_runs_out_of_steps_says_so_and_keeps_what_it_has(small: d
     assert (frame["status"] == setting.status).all()
 
 
-def test_a_setting_that_fails_says_so(small: dict, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    environments = copy.deepcopy(small["environments"])
-    environments["env3"]["changes"] = {"start": [0, 0]}
-    run_setting(small | {"environments": environments}, tmp_path / "raw.h5")
-    setting = load_setting(tmp_path / "raw.h5", GROUPS)
+def test_a_setting_that_fails_says_so(small: Setting, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    setting = evidence(small, tmp_path, changes={"env3.start": [0, 0]})
     assert setting.status.startswith("failed: UserError:")
     assert "Traceback" in capsys.readouterr().err
-    frame = verdict_frame(setting)
-    assert frame["verdict"].tolist() == ["undecided"] * (len(claims.CLAIMS) - len(NOT_VARIED))
+    assert verdict_frame(setting)["verdict"].tolist() == ["undecided"] * (len(claims.CLAIMS) - len(NOT_VARIED))
 
 
-def test_verdicts_are_those_of_the_ledger(small: dict, tmp_path: Path) -> None:
-    run_setting(small | {"seeds": 10, "growth": small["growth"] | {"runs": 10}}, tmp_path / "raw.h5")
-    setting = load_setting(tmp_path / "raw.h5", GROUPS)
+def test_impossible_settings_are_not_written(small: Setting, tmp_path: Path) -> None:
+    arrays = small.run(WORLDS)
+    missing = {name: values for name, values in arrays.items() if not name.startswith("env1/ptl/")}
+    seeds = {f"env1/ptl/{name}": arrays[f"env1/ptl/{name}"][:2] for name in ("seeds", "steps", "truncated")}
+    for wrong, says in (
+        (missing, "some of its lives are missing"),
+        (arrays | {"env1/no_transfer/seeds": np.array([0, 2, 1])}, "its seeds are not 0, 1, 2"),
+        (arrays | {"env1/ptl/subgoal": np.full((3, 2), 10**6)}, "a state that is not in its map"),
+        (arrays | {"env1/other/seeds": arrays["env1/ptl/seeds"]}, "missing"),
+        ({name: values for name, values in arrays.items() if "env1/no_transfer" not in name}
+         | {key.replace("ptl", "no_transfer"): values for key, values in seeds.items()}, "has 2 lives of 3"),
+    ):  # fmt: skip
+        with pytest.raises(UserError, match=says):
+            store.write(tmp_path / "x.h5", small, wrong, WORLDS)
+
+
+def test_verdicts_are_those_of_the_ledger(small: Setting, tmp_path: Path) -> None:
+    setting = evidence(small, tmp_path, seeds=10, growth_runs=10)
     frame = verdict_frame(setting).set_index("claim")
     for judgement in claims.judge(setting.evidence):
         if judgement.claim.id not in NOT_VARIED:
@@ -329,7 +363,7 @@ STUDY = {
 def made_up_verdicts() -> pd.DataFrame:
     """`on_alpha` fails where alpha is high, `on_use` is partly so with lead_in; `always` holds, `never` is open."""
     rows = []
-    for setting in Study.from_dict(STUDY).settings():
+    for setting in Robustness.from_dict(STUDY).points():
         alpha, use = setting.changes.get("learning.alpha", 0.05), setting.changes.get("skills.skill_use", "reselect")
         holding = {
             "on_alpha": 0 if alpha > 0.15 else 2,
@@ -353,18 +387,18 @@ def verdicts() -> pd.DataFrame:
     return made_up_verdicts()
 
 
-UNKNOWNS = Study.from_dict(STUDY).unknowns
+UNKNOWNS = Robustness.from_dict(STUDY).unknowns
 
 
-def test_shares_and_what_a_claim_hangs_on(verdicts: pd.DataFrame) -> None:
+def test_shares_and_what_affects_a_claim_most(verdicts: pd.DataFrame) -> None:
     table = summary.share_table(verdicts, UNKNOWNS).set_index("claim")
     assert table.loc["always", "one_at_a_time_reproduced"] == 1
-    assert table.loc["always", ["hangs_on", "flipped_by", "associated_with"]].tolist() == ["", "", ""]
-    assert table.loc["on_alpha", "hangs_on"] == "α"
+    assert table.loc["always", ["most_affected_by", "flipped_by", "associated_with"]].tolist() == ["", "", ""]
+    assert table.loc["on_alpha", "most_affected_by"] == "α"
     assert table.loc["on_alpha", "flipped_by"] == "α (0.2: not reproduced, 0.5: not reproduced)"
     assert table.loc["on_alpha", "one_at_a_time_not_reproduced"] == pytest.approx(2 / 4)
     assert table.loc["on_alpha", "associated_with"].startswith("α (−0.")
-    assert table.loc["on_use", "hangs_on"] == "skill use"
+    assert table.loc["on_use", "most_affected_by"] == "skill use"
     assert table.loc["on_use", "one_at_a_time_partly_reproduced"] == pytest.approx(1 / 4)
     assert table.loc["on_use", "latin_hypercube_reproduced"] == pytest.approx(1 / 2)
     assert table.loc["never", "reference"] == "undecided"
@@ -461,26 +495,49 @@ def test_labels_of_the_heat_map_are_apart_and_in_order() -> None:
     assert abs(moved[1:4].mean() - np.mean([5, 6, 6.5])) < 0.5
 
 
-@pytest.mark.parametrize(
-    ("unknown", "says"),
-    [
-        ({"symbol": "a\ud800b"}, "symbol"),
-        ({"symbol": "_a"}, "symbol"),
-        ({"symbol": "a\u202eb"}, "symbol"),
-        ({"symbol": "a", "values": [0.1, 0.1]}, "share the name"),
-    ],
-)
-def test_symbols_and_values_that_cannot_be_shown_are_refused(content: dict, unknown: dict, says: str) -> None:
-    with pytest.raises(UserError, match=f"learning.alpha.*{says}"):
-        Study.from_dict({**content, "unknowns": {"learning.alpha": unknown}})
-
-
 def test_every_value_makes_a_name_for_files(content: dict) -> None:
     unknowns = {
         "learning.alpha": {"symbol": "a", "values": [0.00001]},
         "env1.start": {"symbol": "b", "values": [["a/b", 1], ["../../x", -1]]},
         "env1.chain": {"symbol": "c", "values": [{"a b; touch x": 1}]},
     }
-    names = [setting.name for setting in Study.from_dict({**content, "unknowns": unknowns}).settings()]
+    names = [setting.name for setting in Robustness.from_dict({**content, "unknowns": unknowns}).points()]
     assert all(re.fullmatch("[a-z0-9_.]+", name) and ".." not in name for name in names)
     assert "learning.alpha_1e_05" in names
+
+
+# -- the workflow ----------------------------------------------------------------------------------------------
+
+TINY_STUDY = {
+    "seeds": 1, "replicates": 2, "max_steps": 10_000, "step_budget": 10**6, "growth": {"tasks": 2, "runs": 1},
+    "latin_hypercube": {"settings": 1, "seed": 1},
+    "unknowns": {"learning.alpha": {"symbol": "α", "values": [0.2], "range": [0.02, 0.5]}},
+}  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_workflow_makes_remakes_and_refuses(tmp_path: Path) -> None:
+    project = Project(tmp_path)
+    project.add_study("robustness")
+    file = tmp_path / "studies/robustness/config/robustness.yaml"
+    file.write_text(yaml.safe_dump(TINY_STUDY))
+    arguments = ("--snakefile", "studies/robustness/Snakefile")
+    project.make(*arguments)
+    assert project.waiting(*arguments) == {}
+    products = project.files("reports/robustness")
+    assert "reports/robustness/heat_map.png" in products and "reports/robustness/manifest.json" in products
+    assert "are whole" in project.ptl("verify", "results/robustness").stdout
+    project.configure({**TINY, "learning": {"episodes": 20, "gamma": 0.9}})
+    assert project.waiting(*arguments)["learn_setting"] == 4
+    project.configure({**TINY, "measures": {"window": 5}})
+    waiting = project.waiting(*arguments)
+    assert "learn_setting" not in waiting and waiting["judge_settings"] == 3
+    project.configure(TINY)
+    file.write_text(yaml.safe_dump(TINY_STUDY | {"replicates": 3}))
+    assert project.waiting(*arguments)["learn_setting"] == 1
+    file.write_text(yaml.safe_dump(TINY_STUDY | {"replicates": 0}))
+    [line] = errors_of(project.snakemake("-n", *arguments))
+    assert "robustness.yaml" in line and "replicates: 0 is not allowed" in line
+    file.write_text(yaml.safe_dump(TINY_STUDY))
+    project.make(*arguments)
+    assert project.files("reports/robustness") == products
