@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import numpy as np
 from msgspec import Meta
@@ -32,7 +32,7 @@ class Setting(Job, frozen=True, kw_only=True, tag="setting/1"):
     """All environments and methods under one setting; ``maps`` are those before the changes."""
 
     name: Annotated[str, Meta(description="name of the setting, and of its random streams", pattern=r"^[a-z0-9_.]+$")]
-    group: Annotated[Literal["reference", "one_at_a_time", "latin_hypercube"], Meta(description="group of settings")]
+    group: Annotated[Word, Meta(description="group of settings")]
     changes: Annotated[dict[str, Any], Meta(description="changed unknowns with their values")]
     tasks: Annotated[dict[str, str], Meta(description="goal letters of each environment, in order")]
     methods: Annotated[list[Word], Meta(description="identifiers of the methods")]

@@ -83,7 +83,7 @@ def learn_setting(
         traceback.print_exc(file=sys.stderr)
         remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
     status = printable("; ".join(remarks))[:MAX_STATUS] or COMPLETE
-    return {"status": np.bytes_(status.encode()), **arrays}
+    return {"status": np.array(status.encode()), **arrays}
 
 
 def changed_worlds(worlds: Mapping[str, GridWorld], changes: Mapping[str, Any]) -> dict[str, GridWorld]:

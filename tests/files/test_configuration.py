@@ -17,11 +17,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from projects import ROOT
 
-from ptl.report.config_page import MARK, json_schema, tables
 from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.keys import Key, keys_of
+from ptl.report.config_page import MARK, json_schema, tables
 from studies.robustness.design import ONE_AT_A_TIME, REFERENCE, Setting, Study, job_of, read_study
 
 PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
