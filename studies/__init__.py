@@ -1,0 +1,1 @@
+"""Studies beside the reproduction; each is a folder that can be removed."""
