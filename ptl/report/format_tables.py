@@ -1,4 +1,4 @@
-"""Tables for ``docs/file-format.md`` and the pages of studies: what decides a result file of each kind, and its content."""
+"""Tables of ``docs/file-format.md`` and studies' pages: what decides a result file of each kind, and what it holds."""
 
 from __future__ import annotations
 

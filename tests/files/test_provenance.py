@@ -77,7 +77,6 @@ def package(tmp_path, monkeypatch) -> Path:
         ("agent/subgoals.py", True),
         ("methods/ptl.py", True),
         ("methods/__init__.py", True),
-        ("methods/beyond/__init__.py", False),
         ("world/mazes.py", False),
         ("errors.py", False),
         ("keys.py", False),
