@@ -8,20 +8,26 @@ from pathlib import Path
 import click
 
 CONFIG, FORMATS, README = Path("config/README.md"), Path("docs/file-format.md"), Path("README.md")
-PUBLISHED = Path("reports/published")
+PUBLISHED, STUDIES = Path("reports/published"), Path("studies")
 
 
 @click.command()
 @click.option("--schema", is_flag=True, help="Print a JSON schema of the configuration for editors instead.")
 def command(schema: bool) -> None:
-    """Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run."""
+    """Bring config/README.md, docs/file-format.md, README.md and the pages of studies up to date.
+
+    They follow the code and the published run.
+    """
+    from ptl.jobs.kinds import register_studies
     from ptl.report import config_page, format_tables, readme
 
     if schema:
         click.echo(config_page.json_schema())
         return
     _rewrite(CONFIG, _with_tables)
-    _rewrite(FORMATS, format_tables.filled)
+    register_studies()
+    for path in (FORMATS, *sorted(STUDIES.glob("*/README.md"))):
+        _rewrite(path, format_tables.filled)
     _rewrite(README, lambda page: readme.filled(page, PUBLISHED))
 
 
