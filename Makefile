@@ -42,7 +42,6 @@ smoke: build  ## The same DAG on a small configuration, in under two minutes.
 report: build  ## The page reports/published/report.html from what is there.
 	$(SNAKEMAKE) --report reports/published/report.html
 
-
 # The learners are tested first, because only here all of them are installed.
 benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	.venv/bin/python -m pytest -q benchmarks -m "not slow"

@@ -1,6 +1,6 @@
 """Everything that verdicts rest on: measures, curves, subgoals, maps and tables of one run, in memory.
 
-Claims use this object alone, so that the main run and the settings of the robustness study are judged by the same
+Claims use this object alone, so that the main run and the settings of a study are judged by the same
 code. Anything absent, or from too few seeds, raises `Lacking`, which makes a claim undecided, not wrong.
 """
 

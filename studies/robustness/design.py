@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 import numpy as np
 
@@ -18,8 +18,11 @@ from ptl.files.configuration import check_text, read_yaml
 from ptl.keys import ConfigurationError, Group, key, text
 from ptl.world.drawing import KINDS
 
-REFERENCE, ONE_AT_A_TIME, LATIN_HYPERCUBE = "reference", "one_at_a_time", "latin_hypercube"
+REFERENCE: Final = "reference"
+ONE_AT_A_TIME: Final = "one_at_a_time"
+LATIN_HYPERCUBE: Final = "latin_hypercube"
 GROUPS = (REFERENCE, ONE_AT_A_TIME, LATIN_HYPERCUBE)
+GroupName = Literal["reference", "one_at_a_time", "latin_hypercube"]
 
 UNKNOWN = text(
     r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*", "group.key of a hyper-parameter or environment.kind of a change of map", 129
@@ -161,7 +164,7 @@ class Point:
     """One point of the study: a name, its group and the changed unknowns with their values."""
 
     name: str
-    group: str
+    group: GroupName
     changes: dict[str, Any] = field(default_factory=dict)
 
 

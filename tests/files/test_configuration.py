@@ -6,8 +6,6 @@ import copy
 import json
 import math
 import os
-import re
-from pathlib import Path
 from typing import Any, get_args, get_origin
 
 import msgspec
@@ -22,10 +20,8 @@ from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.keys import Key, keys_of
 from ptl.report.config_page import MARK, json_schema, tables
-from studies.robustness.design import ONE_AT_A_TIME, REFERENCE, Setting, Study, job_of, read_study
 
 PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-STUDY = yaml.safe_load((ROOT / "config/robustness.yaml").read_text())
 
 
 @pytest.fixture(autouse=True)
@@ -195,81 +191,6 @@ def test_any_value_at_any_key_passes_or_is_refused_in_one_line(path, value):
         json.dumps(complete.to_dict(), allow_nan=False)
 
 
-# -- the robustness study
-
-
-def study_refusal(content: Any, folder: Path) -> str:
-    path = folder / "study.yaml"
-    path.write_text(yaml.safe_dump(content))
-    with pytest.raises(UserError) as caught:
-        read_study(path)
-    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
-    return str(caught.value)
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "says"),
-    [
-        ("learning.alpha", {"values": [2]}, "unknowns.learning.alpha: 2 is not allowed; give a number > 0 and <= 1"),
-        ("learning.alpha", {"options": [0.1, "a"]}, "unknowns.learning.alpha: 'a' is not allowed"),
-        ("learning.alpha", {"range": [0.1, 5]}, "unknowns.learning.alpha: 5 is not allowed"),
-        ("learning.nothing", {"values": [1]}, "unknowns.learning.nothing: unknown; known are episodes"),
-        ("lerning.alpha", {"values": [1]}, "unknowns.lerning: unknown; known are learning"),
-        ("alpha", {"values": [1]}, "unknowns: 'alpha' is not allowed; give group.key of a hyper-parameter"),
-        ("learning.alpha", {"range": [0.5, 0.1]}, "range: [0.5, 0.1] is not allowed; give two numbers, the lower"),
-        ("learning.alpha", {"range": [0.5]}, "range: [0.5] is not allowed; give two numbers"),
-        ("learning.gamma", {"range": [0, 1], "scale": "log"}, "range: [0, 1] is not allowed; give two positive"),
-        ("learning.gamma", {"range": [0.5, 1], "options": [1]}, "range: is given beside options"),
-        ("learning.alpha", {"scale": "cubic"}, "scale: 'cubic' is not allowed; give one of linear, log"),
-        ("learning.alpha", {"valeus": [0.1]}, "unknowns.learning.alpha.valeus: unknown; known are symbol"),
-        ("learning.alpha", {"values": 0.1}, "values: 0.1 is not allowed; give a list"),
-    ],
-)
-def test_a_wrong_unknown_is_refused_in_one_line(key, value, says, tmp_path):
-    wrong = copy.deepcopy(STUDY)
-    wrong["unknowns"][key] = {"symbol": "x", **value}
-    assert says in study_refusal(wrong, tmp_path)
-
-
-@pytest.mark.parametrize("name", [key.name for key in keys_of(Study) if "<name>" not in key.name])
-def test_a_missing_or_wrong_key_of_the_study_is_refused(name, tmp_path):
-    group, _, last = name.rpartition(".")
-    without = copy.deepcopy(STUDY)
-    del (without[group] if group else without)[last]
-    assert f"configuration key {name}: missing; give a whole number" in study_refusal(without, tmp_path)
-    assert f"configuration key {name}: -1 is not allowed" in study_refusal(changed(name, -1, STUDY), tmp_path)
-
-
-def test_a_study_with_a_repeated_key_is_refused(tmp_path):
-    path = tmp_path / "study.yaml"
-    path.write_text((ROOT / "config/robustness.yaml").read_text() + "seeds: 3\n")
-    with pytest.raises(UserError, match="key seeds is given in lines 4 and"):
-        read_study(path)
-
-
-@pytest.mark.parametrize(
-    ("changes", "study", "says"),
-    [
-        ({"learning.episodes": 5}, {}, "setting x: configuration key measures.window: 10 must not exceed"),
-        ({}, {"growth": {"tasks": 7, "runs": 1}}, "setting x: configuration key growth.tasks: 7 must exceed"),
-        ({"env9.start": [1, 1]}, {}, "unknowns.env9.start: environment env9 is not in this run (env1, env2, env3)"),
-    ],
-)
-def test_a_setting_must_fit_the_run(changes, study, says):
-    with pytest.raises(UserError, match=re.escape(says)):
-        job_of(Setting("x", ONE_AT_A_TIME, changes), Study.from_dict(STUDY | study), completed(PUBLISHED).to_dict())
-
-
-def test_a_setting_changes_what_it_names_and_nothing_else():
-    study, config = Study.from_dict(STUDY), completed(PUBLISHED).to_dict()
-    reference = job_of(Setting("x", REFERENCE), study, config)
-    other = job_of(Setting("x", ONE_AT_A_TIME, {"subgoals.cover_radius": 4}), study, config)
-    assert reference["parameters"] == {**{group: config[group] for group in reference["parameters"]},
-                                       "learning": {**config["learning"], "max_steps": study.max_steps}}  # fmt: skip
-    other["parameters"]["subgoals"]["cover_radius"] = 2
-    assert {**other, "group": REFERENCE, "changes": {}} == reference
-
-
 # -- the text of configuration files
 
 
@@ -325,7 +246,7 @@ def test_the_tables_of_keys_are_up_to_date():
 
 def test_every_key_has_a_sentence_and_a_row():
     rows = tables()
-    for key in [*keys_of(Configuration), *keys_of(Study)]:
+    for key in keys_of(Configuration):
         assert key.meta.description.endswith(".")
         assert f"| `{key.name}` |" in rows
 

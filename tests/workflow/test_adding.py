@@ -137,26 +137,6 @@ def test_a_measure_is_measured_estimated_and_shown(grown: Project):
     assert "Longest episode" in (grown.folder / "reports/tiny/tables/table2.md").read_text()
 
 
-def test_a_measure_is_in_the_robustness_study(grown: Project):
-    code = """
-import json, sys
-from types import SimpleNamespace
-from ptl.config import Parameters, Measures, Statistics, Growth
-from studies.robustness.running import run_setting
-from studies.robustness.verdicts import load_setting
-job = {"setting": "s", "group": "reference", "changes": {}, "methods": ["no_transfer", "ptl"], "seeds": 2,
-       "environments": {"rooms": {"map": "rooms.txt", "tasks": "AB", "changes": {}}}, "root_seed": 1,
-       "parameters": Parameters().replace(learning__episodes=12).to_dict(), "step_budget": 10**9,
-       "growth": {"environment": "rooms", "tasks": 3, "runs": 2}}
-run_setting(job, "s.h5")
-groups = SimpleNamespace(measures=Measures(), statistics=Statistics(), growth=Growth())
-frame = load_setting("s.h5", groups).evidence.per_seed
-print(len(frame), (frame["longest"] > 0).all())
-"""
-    done = grown.python("-c", code)
-    assert done.stdout.split() == ["8", "True"], done.stderr
-
-
 def test_a_table_column_is_in_every_format(grown: Project):
     folder = grown.folder / "reports/tiny/tables"
     for suffix in ("html", "md", "tex"):

@@ -25,7 +25,7 @@ from snakemake.settings.types import (
 from ptl.config import Configuration
 from ptl.keys import Key, keys_of
 
-TARGETS = {"all", "robustness"}
+TARGETS = {"all"}
 
 TINY = """
 run: tiny
@@ -37,16 +37,6 @@ environments:
 methods: [no_transfer, full_transfer, policy_reuse, ptl, mine.py]
 growth: {tasks: 9, runs: 2}
 subgoal_frequencies: {batches: 1}
-"""
-
-STUDY = """
-seeds: 1
-replicates: 1
-max_steps: 100
-step_budget: 100
-growth: {tasks: 10, runs: 1}
-latin_hypercube: {settings: 0, seed: 0}
-unknowns: {}
 """
 
 ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
@@ -73,10 +63,10 @@ Jobs = dict[str, tuple[Any, ...]]
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a tiny run and a tiny robustness study."""
+    """A folder with a tiny run."""
     folder = tmp_path_factory.mktemp("tiny")
     shutil.copytree(ROOT / "config", folder / "config")
-    texts = {"config/config.yaml": TINY, "config/robustness.yaml": STUDY, "rooms.txt": ROOMS, "mine.py": MINE}
+    texts = {"config/config.yaml": TINY, "rooms.txt": ROOMS, "mine.py": MINE}
     for name, text in texts.items():
         (folder / name).write_text(text)
     places = product("AB", range(2), range(1, 201))
@@ -84,7 +74,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     for name in ("walker.csv", "same.csv"):
         (folder / name).write_text("environment,method,task,seed,episode,steps\n" + "".join(rows))
     shutil.copy(folder / "rooms.txt", folder / "same.txt")
-    shutil.copy(folder / "config/robustness.yaml", folder / "same.yaml")
     return folder
 
 
@@ -142,7 +131,6 @@ TEXTS = {
     "foreign_results.rooms.label": "Another label",
     "foreign_results.rooms.colour": "#ffffff",
     "growth.environment": "rooms",
-    "robustness.study": "same.yaml",
 }
 """Another value for each key that is a free text."""
 
@@ -151,33 +139,32 @@ FOREIGN = {"foreign_results": {"rooms": {"file": "walker.csv"}}}
 
 LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"], "method_parameters": {"mine": {"weight": 2}}}
 
-LEARNING = {"learn", "learn_misleading", "grow", "learn_setting", "decide"}
+LEARNING = {"learn", "grow", "decide"}
 RULES = {
     "run": {"learn", "grow", "survey_batch", "measure", "tabulate", "judge_claims", "draw_figure"},
-    "root_seed": {*LEARNING, "survey_batch", "learn_fv"},
-    "seeds": {"learn", "learn_misleading", "learn_fv", "measure"},
-    "methods": {"measure", "tabulate", "front_page", "build_explorer", "learn_setting"},
+    "root_seed": {*LEARNING, "survey_batch"},
+    "seeds": {"learn", "measure"},
+    "methods": {"measure", "tabulate", "front_page", "build_explorer"},
     "method_parameters": {"learn", "build_explorer"},
-    "environments.rooms.map": {"learn", "survey_batch", "learn_setting", "judge_claims", "draw_figure"},
+    "environments.rooms.map": {"learn", "survey_batch", "judge_claims", "draw_figure"},
     "environments.rooms.title": {"tabulate", "draw_figure", "build_explorer", "front_page"},
-    "environments.rooms.tasks": {"learn", "learn_setting", "judge_claims", "tabulate", "draw_figure"},
+    "environments.rooms.tasks": {"learn", "judge_claims", "tabulate", "draw_figure"},
     "environments.rooms": {"draw_figure"},
     "foreign_results": {"measure", "tabulate", "draw_figure", "front_page"},
     "learning": {*LEARNING, "survey_batch"},
-    "learning.max_steps": {"learn", "learn_misleading", "grow", "survey_batch", "decide"},  # the study has its own
+    "learning.max_steps": {"learn", "grow", "survey_batch", "decide"},
     "skills": LEARNING,
     "subgoals": LEARNING,
-    "policy_reuse": {"learn", "learn_setting", "decide"},
-    "measures": {"measure", "judge_claims", "draw_figure", "judge_settings"},
-    "statistics": {"tabulate", "judge_claims", "draw_figure", "policy_reuse_table", "judge_settings"},
+    "policy_reuse": {"learn", "decide"},
+    "measures": {"measure", "judge_claims", "draw_figure"},
+    "statistics": {"tabulate", "judge_claims", "draw_figure"},
     "decision": {"decide"},
-    "growth.environment": {"grow", "learn_setting"},
+    "growth.environment": {"grow"},
     "growth.tasks": {"grow", "decide"},
     "growth.runs": {"grow", "collect_growth"},
-    "growth.breakpoint": {"draw_figure", "judge_claims", "judge_settings"},
+    "growth.breakpoint": {"draw_figure", "judge_claims"},
     "subgoal_frequencies.batches": {"survey_batch", "merge_survey"},
     "subgoal_frequencies": {"survey_batch"},
-    "robustness": {"report_robustness"},
 }
 """Rules that act on a key or on all keys of a group."""
 
@@ -228,18 +215,16 @@ def test_a_key_changes_some_job(key: Key, name: str, jobs_of: Callable[[dict[str
     [
         ("measures.window", 11, {
             "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "explorer.html",
-            "robustness/reference.verdicts.csv",
         }),
         ("measures.threshold_factor", 2.0, {
-            "tables/per_seed.csv", "claims.csv", "figures/figure13.png", "robustness/reference.verdicts.csv",
+            "tables/per_seed.csv", "claims.csv", "figures/figure13.png",
         }),
-        ("growth.breakpoint", 6, {"claims.csv", "figures/figure14.png", "robustness/reference.verdicts.csv"}),
+        ("growth.breakpoint", 6, {"claims.csv", "figures/figure14.png"}),
         *[
             (f"statistics.{name}", value, {
-                "tables/metrics.csv", "tables/policy_reuse_fv.csv", "claims.csv", "figures/figure04.png",
-                "figures/figure12.png", "figures/figure14.png", "figures/policy_reuse_fv.png",
-                "robustness/reference.verdicts.csv",
-            })
+                "tables/metrics.csv", "claims.csv", "figures/figure04.png",
+                "figures/figure12.png", "figures/figure14.png",
+                })
             for name, value in [("confidence", 0.9), ("resamples", 300)]
         ],
     ],

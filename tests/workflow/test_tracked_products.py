@@ -18,14 +18,12 @@ def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path)
     pages = shutil.ignore_patterns("report.html", "explorer.html")
     shutil.copytree(PUBLISHED, tmp_path / "reports/published", ignore=pages)
     jobs = project.waiting()
-    assert (jobs["learn"], jobs["grow"], jobs["survey_batch"]) == (540, 30, 24)
-    for rule in ("collect_growth", "draw_figure", "tabulate", "judge_claims", "policy_reuse_table", "manifest"):
+    assert (jobs["learn"], jobs["grow"], jobs["survey_batch"]) == (540 + 30, 30, 24)
+    for rule in ("collect_growth", "draw_figure", "tabulate", "judge_claims", "manifest"):
         assert rule in jobs
-    study = project.waiting("--", "robustness")
-    assert (study["learn_setting"], study["judge_settings"], study["report_robustness"]) == (127, 3, 1)
 
 
-APART = ("manifest.json", "*.sha256", "first_reference/*", "fit/*", "benchmark.*", "scaling.*")
+APART = ("manifest.json", "benchmark.*", "scaling.*")
 """Tracked files that are no products of the main run, or hold checksums themselves."""
 
 
@@ -33,11 +31,11 @@ def test_the_manifest_names_every_product_of_the_main_run():
     command = ["git", "ls-files", "."]
     listed = subprocess.run(command, cwd=PUBLISHED, capture_output=True, text=True, check=True).stdout
     tracked = {name for name in listed.splitlines() if not any(fnmatch(name, pattern) for pattern in APART)}
-    assert len(tracked) > 80
+    assert len(tracked) > 70
     assert set(json.loads((PUBLISHED / "manifest.json").read_text())["products"]) == tracked
 
 
-def test_reproduce_keeps_and_ages_only_products_that_are_there(tmp_path: Path):
+def test_reproduce_keeps_only_products_that_are_there(tmp_path: Path):
     for name in ("Makefile", "requirements.lock", "setup.py", "pyproject.toml"):
         shutil.copy(ROOT / name, tmp_path)
 
@@ -45,6 +43,6 @@ def test_reproduce_keeps_and_ages_only_products_that_are_there(tmp_path: Path):
         done = subprocess.run(["make", "-n", "reproduce"], cwd=tmp_path, capture_output=True, text=True, check=True)
         return done.stdout
 
-    assert "cp -R reports/published" not in commands() and "find reports/published" not in commands()
+    assert "cp -R reports/published" not in commands()
     (tmp_path / "reports/published").mkdir(parents=True)
-    assert "cp -R reports/published" in commands() and "find reports/published" in commands()
+    assert "cp -R reports/published" in commands()

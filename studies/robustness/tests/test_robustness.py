@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import re
 from pathlib import Path
@@ -128,33 +129,82 @@ def test_the_cost_is_that_of_the_published_study(jobs: dict[str, Setting], world
     assert learned / 3 < cost.steps < 3 * learned
 
 
+def study_refusal(content: dict, folder: Path) -> str:
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(content))
+    with pytest.raises(UserError) as caught:
+        read_study(path)
+    assert str(path) in str(caught.value) and "\n" not in str(caught.value)
+    return str(caught.value)
+
+
 @pytest.mark.parametrize(
-    ("change", "says"),
+    ("key", "value", "says"),
     [
-        ({"seeds": 0}, "seeds"),
-        ({"more": 1}, "more: unknown"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a", "values": [2]}}}, r"unknowns\.learning\.alpha"),
-        ({"unknowns": {"learning.alhpa": {"symbol": "a", "values": [0.2]}}}, r"unknowns\.learning\.alhpa: unknown"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0.5, 0.1]}}}, "the lower first"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0, 0.1], "scale": "log"}}}, "two positive numbers"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a", "range": [0.1, 0.2], "options": [0.1]}}}, "beside options"),
-        ({"unknowns": {"learning.alpha": {"symbol": "_a"}}}, "learning.alpha.symbol"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a\u202eb"}}}, "learning.alpha.symbol"),
-        ({"unknowns": {"learning.alpha": {"symbol": "a", "values": [0.1, 0.1]}}}, "share the name"),
+        ("learning.alpha", {"values": [2]}, "unknowns.learning.alpha: 2 is not allowed; give a number > 0 and <= 1"),
+        ("learning.alpha", {"options": [0.1, "a"]}, "unknowns.learning.alpha: 'a' is not allowed"),
+        ("learning.alpha", {"range": [0.1, 5]}, "unknowns.learning.alpha: 5 is not allowed"),
+        ("learning.nothing", {"values": [1]}, "unknowns.learning.nothing: unknown; known are episodes"),
+        ("lerning.alpha", {"values": [1]}, "unknowns.lerning: unknown; known are learning"),
+        ("alpha", {"values": [1]}, "unknowns: 'alpha' is not allowed; give group.key of a hyper-parameter"),
+        ("learning.alpha", {"range": [0.5, 0.1]}, "range: [0.5, 0.1] is not allowed; give two numbers, the lower"),
+        ("learning.alpha", {"range": [0.5]}, "range: [0.5] is not allowed; give two numbers"),
+        ("learning.gamma", {"range": [0, 1], "scale": "log"}, "range: [0, 1] is not allowed; give two positive"),
+        ("learning.gamma", {"range": [0.5, 1], "options": [1]}, "range: is given beside options"),
+        ("learning.alpha", {"scale": "cubic"}, "scale: 'cubic' is not allowed; give one of linear, log"),
+        ("learning.alpha", {"valeus": [0.1]}, "unknowns.learning.alpha.valeus: unknown; known are symbol"),
+        ("learning.alpha", {"values": 0.1}, "values: 0.1 is not allowed; give a list"),
+        ("learning.alpha", {"symbol": "_a"}, "unknowns.learning.alpha.symbol"),
+        ("learning.alpha", {"symbol": "a\u202eb"}, "unknowns.learning.alpha.symbol"),
+        ("learning.alpha", {"values": [0.1, 0.1]}, "share the name"),
     ],
 )
-def test_a_wrong_study_is_refused_in_one_line(content: dict, tmp_path: Path, change: dict, says: str) -> None:
-    path = tmp_path / "robustness.yaml"
-    path.write_text(yaml.safe_dump(content | change, allow_unicode=False))
-    with pytest.raises(UserError, match=says) as caught:
-        read_study(path)
-    assert str(caught.value).startswith(str(path)) and "\n" not in str(caught.value)
+def test_a_wrong_unknown_is_refused_in_one_line(
+    content: dict, tmp_path: Path, key: str, value: dict, says: str
+) -> None:
+    unknowns = {**content["unknowns"], key: {"symbol": "x", **value}}
+    assert says in study_refusal({**content, "unknowns": unknowns}, tmp_path)
 
 
-def test_unknowns_that_the_run_does_not_have_are_refused(content: dict, run: Configuration) -> None:
-    other = Robustness.from_dict(content | {"unknowns": {"env9.start": {"symbol": "a", "values": [[1, 1]]}}})
-    with pytest.raises(UserError, match=r"unknowns\.env9\.start: environment env9 is not in this run"):
-        setting_jobs(other, run, dict.fromkeys(run.environments, "0" * 16))
+@pytest.mark.parametrize("name", [key.name for key in keys_of(Robustness) if "<name>" not in key.name])
+def test_a_missing_or_wrong_key_is_refused(content: dict, tmp_path: Path, name: str) -> None:
+    group, _, last = name.rpartition(".")
+    for value, says in ((None, "missing; give a whole number"), (-1, "-1 is not allowed")):
+        wrong = copy.deepcopy(content)
+        holder = wrong[group] if group else wrong
+        holder.pop(last)
+        holder.update({} if value is None else {last: value})
+        assert f"configuration key {name}: {says}" in study_refusal(wrong, tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        (
+            {"learning.episodes": {"symbol": "e", "values": [5]}},
+            "learning.episodes_5: configuration key measures.window",
+        ),
+        (
+            {"env9.start": {"symbol": "a", "values": [[1, 1]]}},
+            "unknowns.env9.start: environment env9 is not in this run",
+        ),
+    ],
+)
+def test_a_setting_must_fit_the_run(content: dict, run: Configuration, changes: dict, says: str) -> None:
+    study = Robustness.from_dict(content | {"unknowns": changes})
+    with pytest.raises(UserError, match=re.escape(says)):
+        setting_jobs(study, run, dict.fromkeys(run.environments, "0" * 16))
+
+
+def test_a_setting_changes_what_it_names_and_nothing_else(jobs: dict[str, Setting], run: Configuration) -> None:
+    reference, other = (jobs[f"settings/{name}.h5"] for name in ("reference_1", "subgoals.cover_radius_4"))
+    expected = {name: getattr(run, name).to_dict() for name in Setting.READS}
+    expected["learning"]["max_steps"] = 3_000_000
+    assert reference.parameters == expected
+    expected["subgoals"]["cover_radius"] = 4
+    assert other.parameters == expected
+    same = {"name": "reference_1", "group": REFERENCE, "changes": {}, "parameters": reference.parameters}
+    assert msgspec.structs.replace(other, **same) == reference
 
 
 def test_the_page_has_the_keys_of_the_study() -> None:
