@@ -35,15 +35,15 @@ class BuildWithAdvice(build_ext):
 
 
 class BuildWithWorkflow(build_py):
-    """Puts the workflow into a wheel, where `ptl.deployment` finds it; an editable install uses the checkout's."""
+    """Puts workflow and studies into a wheel, where `ptl` finds them; an editable install uses the checkout's."""
 
     def run(self) -> None:
         super().run()
         if not self.editable_mode:
-            for folder in ("workflow", "profiles", "config"):
-                target = Path(self.build_lib, "ptl", folder)
+            for place in ("ptl/workflow", "ptl/profiles", "ptl/config", "studies"):
+                folder, target = Path(place).name, Path(self.build_lib, place)
                 shutil.rmtree(target, ignore_errors=True)
-                shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__"))
+                shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__", "tests"))
 
 
 extensions = [

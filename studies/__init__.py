@@ -1,1 +1,1 @@
-"""Studies beside the reproduction, a folder each, which can be removed."""
+"""Studies beside the reproduction, a folder each; deleting a folder removes its study."""

@@ -14,8 +14,10 @@ PUBLISHED, STUDIES = Path("reports/published"), Path("studies")
 @click.command()
 @click.option("--schema", is_flag=True, help="Print a JSON schema of the configuration for editors instead.")
 def command(schema: bool) -> None:
-    """Bring config/README.md, docs/file-format.md, README.md and the pages of studies up to date with the code."""
-    from ptl.files.job import KINDS
+    """Bring config/README.md, docs/file-format.md, README.md and the pages of studies up to date.
+
+    They follow the code and the published run.
+    """
     from ptl.jobs.kinds import register_studies
     from ptl.report import config_page, format_tables, readme
 
@@ -23,11 +25,10 @@ def command(schema: bool) -> None:
         click.echo(config_page.json_schema())
         return
     _rewrite(CONFIG, _with_tables)
-    _rewrite(FORMATS, format_tables.filled)
-    _rewrite(README, lambda page: readme.filled(page, PUBLISHED))
     register_studies()
-    for path in sorted(STUDIES.glob("*/README.md")):
-        _rewrite(path, lambda page: format_tables.filled(page, KINDS.values()))
+    for path in (FORMATS, *sorted(STUDIES.glob("*/README.md"))):
+        _rewrite(path, format_tables.filled)
+    _rewrite(README, lambda page: readme.filled(page, PUBLISHED))
 
 
 def _with_tables(page: str) -> str:

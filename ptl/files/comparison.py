@@ -87,8 +87,8 @@ def reference(text: str, folder: Path) -> Reference:
     own = products_in(folder)
     if own and own != products_made(results):
         raise UserError(
-            f"{folder}: has the products that came with the package, not those of a run made here ({results / MADE} does"
-            " not name them), which would be compared with themselves; run 'make reproduce'"
+            f"{folder}: has the products that came with the package, not those of a run made here ({results / MADE}"
+            " does not name them), which would be compared with themselves; run 'make reproduce'"
         )
     return found
 

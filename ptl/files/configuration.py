@@ -16,15 +16,15 @@ from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
 from ptl.files.outside import configured
 from ptl.files.regular import NotReadable, read_bytes
-
-MAX_BYTES = 2**20
-"""Maximum size of a configuration file."""
 from ptl.keys import ConfigurationError, Group
 from ptl.learning.trial import check_method
 from ptl.world.gridworld import load_map
 
-DEEPEST = 20
-"""Levels of nesting that a configuration file may have; the keys need four."""
+MAX_BYTES = 2**20
+"""Maximum size of a configuration file."""
+
+MAX_DEPTH = 20
+"""Maximum levels of nesting in a configuration file; the keys need four."""
 
 
 def completed(config: Mapping[str, Any]) -> Configuration:
@@ -165,8 +165,8 @@ def _refuse_bombs(text: str, path: str | Path) -> None:
         if isinstance(event, yaml.AliasEvent):
             raise UserError(f"{path}: line {line}: *{event.anchor} is an alias; write the value out")
         depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-        if depth > DEEPEST:
-            raise UserError(f"{path}: line {line}: nested more than {DEEPEST} deep; correct it there")
+        if depth > MAX_DEPTH:
+            raise UserError(f"{path}: line {line}: nested more than {MAX_DEPTH} deep; correct it there")
 
 
 def _refuse_repeated_keys(node: yaml.Node, path: str, parent: str) -> None:

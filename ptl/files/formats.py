@@ -1,7 +1,7 @@
 """Declared arrays of result files: type, shape, meaning and range of each, and the check of arrays against them.
 
-A shape is given in sizes: ``n`` states of the map, ``e`` episodes of a task, ``t`` tasks. Other sizes are free, but equal
-wherever they occur in a group. A number may follow, as in ``e+1``.
+A shape is given in sizes: ``n`` states of the map, ``e`` episodes of a task, ``t`` tasks. Other sizes are free, but
+equal wherever they occur in a group. A number may follow, as in ``e+1``.
 """
 
 from __future__ import annotations

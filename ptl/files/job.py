@@ -1,8 +1,8 @@
 """A job: everything that decides the content of a result file.
 
 Each kind of file has a subclass of `Job`, which declares what decides it (fields), where it is (`Job.place`), how it is
-made (`Job.run`) and what it holds (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job that it
-expects, and `differences` names what is different. Snakemake gets the same job as the parameter of its rule.
+made (`Job.run`) and what it contains (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job
+that it expects, and `differences` names what is different. Snakemake gets the same job as the parameter of its rule.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
     ]
     method: Annotated[Word, Meta(description="identifier of the method")]
     reference: Annotated[str, Meta(description="the method as the configuration names it")]
-    own: Annotated[dict[str, Any], Meta(description="parameters of the method's own")] = {}
+    own: Annotated[dict[str, Any], Meta(description="parameters of the method's own")] = {}  # noqa: RUF012 (msgspec copies it)
     seed: Annotated[Number, Meta(description="number of the seed")]
 
     TITLE = "Learning files"
@@ -200,7 +200,9 @@ def tasks_in(result: Result) -> dict[str, TaskView]:
     for letter in result.job.tasks:
         values: list[Any] = [result.arrays[f"tasks/{letter}/{name}"] for name in TaskView._fields[1:]]
         plain: list[Any] = [value.item() if value.ndim == 0 else value for value in values]
-        found[letter] = TaskView._make([letter, *(part.decode() if isinstance(part, bytes) else part for part in plain)])
+        found[letter] = TaskView._make(
+            [letter, *(part.decode() if isinstance(part, bytes) else part for part in plain)]
+        )
     return found
 
 

@@ -1,4 +1,4 @@
-"""Growth of the library: a line of two slopes through its size against the number of tasks (the article's figure 14)."""
+"""Growth of the library: a line of two slopes through its size against tasks learned (the article's figure 14)."""
 
 from __future__ import annotations
 

@@ -134,10 +134,10 @@ def read_subgoals(path: str | Path) -> pd.DataFrame:
 
 
 def read_selection(path: str | Path) -> pd.DataFrame:
-    """Read the table of `ptl.measures.library_cost.selection_operations`; errors as in `ptl.files.tables.read_table`."""
+    """Read the operations of a selection; errors as in `ptl.files.tables.read_table`."""
     return read_table(path, SELECTION_COLUMNS)
 
 
 def read_storage(path: str | Path) -> pd.DataFrame:
-    """Read the table of `ptl.measures.library_cost.library_bytes`; errors as in `ptl.files.tables.read_table`."""
+    """Read the bytes of libraries; errors as in `ptl.files.tables.read_table`."""
     return read_table(path, STORAGE_COLUMNS)

@@ -1,24 +1,22 @@
-"""The tables of ``docs/file-format.md`` and of studies: what decides a result file of each kind, and what it holds."""
+"""Tables of ``docs/file-format.md`` and studies' pages: what decides a result file of each kind, and what it holds."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, get_args
 
 import msgspec
 from msgspec import Meta
 
+import ptl.jobs  # noqa: F401 - registers its kinds
 from ptl.files.formats import Array, Limit, Size
-from ptl.files.job import Job
-from ptl.jobs import Grow, Learn, Libraries, Lives, Survey
-
-KINDS: tuple[type[Job], ...] = (Learn, Grow, Survey, Lives, Libraries)
+from ptl.files.job import KINDS, Job
 
 
-def filled(page: str, kinds: Iterable[type[Job]] = KINDS) -> str:
-    """Return a page with the tables between each pair of marks, which are named after a kind, made anew."""
-    for kind in kinds:
+def filled(page: str) -> str:
+    """Return a page with the tables between each pair of marks made anew, for all kinds that are registered."""
+    for kind in KINDS.values():
         name = kind.__name__
         begin, end = (f"<!-- {name}, {word} -->" for word in ("begin", "end"))
         before, mark, rest = page.partition(begin)

@@ -20,7 +20,7 @@ from ptl.keys import ConfigurationError
 from ptl.measures.cost import COSTLY, Cost, steps_of_life, steps_of_task, together
 from ptl.world.drawing import KINDS
 from ptl.world.gridworld import GridWorld
-from studies.robustness.design import GroupName, Point, Robustness
+from studies.robustness.design import Point, Robustness
 from studies.robustness.running import COMPLETE, changed_worlds, learn_setting
 
 STATES = ("subgoal", "incremental_peak", "original_peak")
@@ -32,7 +32,7 @@ class Setting(Job, frozen=True, kw_only=True, tag="setting/1"):
     """All environments and methods under one setting; ``maps`` are those before the changes."""
 
     name: Annotated[str, Meta(description="name of the setting, and of its random streams", pattern=r"^[a-z0-9_.]+$")]
-    group: Annotated[GroupName, Meta(description="group of settings")]
+    group: Annotated[Word, Meta(description="group of settings")]
     changes: Annotated[dict[str, Any], Meta(description="changed unknowns with their values")]
     tasks: Annotated[dict[str, str], Meta(description="goal letters of each environment, in order")]
     methods: Annotated[list[Word], Meta(description="identifiers of the methods")]

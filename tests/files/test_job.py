@@ -58,5 +58,5 @@ def test_other_texts_are_no_jobs(change, says):
     with pytest.raises(UserError, match=says):
         job_from(text)
     for rubbish in ("", "[]", "{", '{"kind": 1}'):
-        with pytest.raises(UserError, match="^job: "):
+        with pytest.raises(UserError, match=r"^job: "):
             job_from(rubbish)

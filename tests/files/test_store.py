@@ -53,8 +53,8 @@ def test_equal_jobs_give_equal_bytes(tmp_path):
 
 def test_a_growth_file_is_read_back(tmp_path):
     learn = job("ptl")
-    grow = Grow(root_seed=1, parameters=learn.parameters, maps=learn.maps, code=learn.code, environment="rooms", tasks=6,
-                seed=0)  # fmt: skip
+    shared = {"root_seed": 1, "parameters": learn.parameters, "maps": learn.maps, "code": learn.code}
+    grow = Grow(**shared, environment="rooms", tasks=6, seed=0)
     store.write(tmp_path / "run_000.h5", grow, grow.run({"rooms": ROOMS}), {"rooms": ROOMS})
     sizes = store.read(tmp_path / "run_000.h5", grow).arrays["library_size"]
     assert sizes[0] == 0 and len(sizes) == 7 and sizes[-1] > 0

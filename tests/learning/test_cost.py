@@ -159,9 +159,11 @@ def searches_of(work: Callable[[], object]) -> int:
 
 
 def world_of(kind: str, states: int) -> GridWorld:
-    """Return a world of a kind of `ptl.world.mazes` with about so many states and goal A."""
+    """Return a chain of rooms or random rooms with about so many states and goal A."""
+    if kind == "chain":
+        return GridWorld.from_text(mazes.chain_of_rooms(max(2, states // 101), 10, "A"))
     random = np.random.default_rng(states)
-    return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, getattr(mazes, kind)(random, states), "A")))
+    return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, mazes.rooms(random, states), "A")))
 
 
 def test_searches_are_counted(env2: GridWorld):

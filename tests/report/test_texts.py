@@ -13,7 +13,7 @@ from projects import MAPS
 
 from ptl.files.configuration import completed
 from ptl.keys import ConfigurationError
-from ptl.report.figures import maps, style
+from ptl.report.figures import maps, saving
 from ptl.report.table import text_table, to_markdown
 from ptl.report.templating import escape_rst, render
 from ptl.world.gridworld import GridWorld

@@ -110,7 +110,7 @@ def test_only_the_maps_of_the_study_are_learned_in_their_order(study: Study) -> 
     assert orders == {"rooms": "AB", "long_hall": "CAB"}
     assert set(per_seed["method"]) == {"no_transfer", "hasty", "walker", "ptl"} and set(per_seed["seed"]) == {0, 1}
     results = {path.name for path in (study.folder / "results/own_maps").iterdir()}
-    assert results == {"learning", "growth", "subgoal_frequencies", "steps.h5", "made.json", "records", "checked"}
+    assert results == {"learning", "growth", "subgoal_frequencies", "steps.h5", "made.json"}
 
 
 def test_its_numbers_are_those_of_its_maps(study: Study) -> None:

@@ -21,13 +21,13 @@ def test_long_command_shows_a_bar_on_a_terminal(tmp_path):
     (tmp_path / "rooms.txt").write_text(ROOMS)
     screen, terminal = pty.openpty()
     done = subprocess.run(
-        [sys.executable, "-m", "ptl", "grow", "--map", "rooms.txt", "--environment", "rooms", "--tasks", "3", "--run",
-         "0", "--root-seed", "1", "--output", "run_000.h5"],
+        [sys.executable, "-m", "ptl", "learn", "--map", "rooms.txt", "--parameters", '{"learning": {"episodes": 20}}',
+         "--output", "learned.h5"],
         cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, stdout=subprocess.PIPE, stderr=terminal,
     )  # fmt: skip
     os.close(terminal)
     shown_text = os.read(screen, 100_000).decode()
     os.close(screen)
     assert done.returncode == 0 and done.stdout == b""
-    assert "Learning tasks" in shown_text and "3/3" in shown_text
-    assert (tmp_path / "run_000.h5").is_file()
+    assert "Learning tasks" in shown_text and "2/2" in shown_text
+    assert (tmp_path / "learned.h5").is_file()

@@ -12,7 +12,6 @@ import pytest
 from projects import MAPS, ROOMS, Project, errors_of
 
 from ptl import methods
-from ptl.files.verification import faults_of
 
 # -- the smoke run ----------------------------------------------------------------------------------------------
 
@@ -31,7 +30,7 @@ def test_smoke_makes_every_product(smoke):
         for method in methods.names():
             for seed in range(2):
                 with h5py.File(results / f"learning/{environment}/{method}/seed_{seed:03d}.h5") as file:
-                    assert list(file["tasks"]) == list("ABCDEF")
+                    assert {*file["tasks"]} == {*"ABCDEF"}
         with h5py.File(results / f"subgoal_frequencies/{environment}.h5") as file:
             assert file["counts"][()].sum() + file["unresolved"][()] == file["pairs"][()] > 0
     assert len(list((results / "growth").glob("run_*.h5"))) == 2
@@ -86,10 +85,6 @@ def test_report_holds_the_products(tiny, tmp_path):
     printed = tiny.make("--report", str(tmp_path / "report.html"))
     assert "WARNING" not in printed and "rror in" not in printed, printed[-3000:]
     page = (tmp_path / "report.html").read_text()
-    assert faults_of(tmp_path / "report.html") == []
-    (tmp_path / "report.html").write_text(page + " ")
-    [fault] = faults_of(tmp_path / "report.html")
-    assert "damaged" in fault and "'snakemake --report " in fault
     for item in ("figure12.png", "table1.html", "claims.html"):
         assert item in page
 
@@ -97,11 +92,14 @@ def test_report_holds_the_products(tiny, tmp_path):
 @pytest.mark.parametrize(
     ("edited", "reruns", "spares"),
     [
+        ("ptl/errors.py", {"measure": 1}, {"learn", "grow", "survey_batch", "decide"}),
+        ("ptl/files/store.py", {"measure": 1}, {"learn", "grow", "survey_batch", "decide"}),
+        ("ptl/jobs/learn.py", {"measure": 1}, {"learn", "grow", "survey_batch", "decide"}),
         ("ptl/report/figures/maps.py", {"draw_figure": 1}, {"learn", "grow", "survey_batch", "measure"}),
         ("ptl/report/metric_tables.py", {"tabulate": 1}, {"learn", "grow", "survey_batch", "draw_figure"}),
         ("ptl/errors.py", {}, {"learn"}),
         ("ptl/methods/policy_reuse.py", {"learn": 2}, {"grow", "survey_batch"}),
-        ("ptl/agent/subgoals.py", {"learn": 6, "grow": 2}, {"library_cost"}),
+        ("ptl/agent/subgoals.py", {"learn": 8, "grow": 2}, {"library_cost"}),
     ],
 )
 def test_an_edit_reruns_what_depends_on_it_and_nothing_else(tiny, edited, reruns, spares):
@@ -132,22 +130,6 @@ def test_one_core_gives_the_same_bytes_as_two(tiny, tmp_path):
     other = Project(tmp_path)
     other.make(cores=1)
     assert other.files("results", "reports") == tiny.files("results", "reports")
-
-
-def test_damaged_file_is_named_and_the_advised_command_mends_it(tiny):
-    path = tiny.folder / "results/tiny/learning/rooms/ptl/seed_001.h5"
-    whole = path.read_bytes()
-    path.write_bytes(whole[: len(whole) // 2])
-    (tiny.folder / "reports/tiny/tables/per_seed.csv").unlink()
-    done = tiny.snakemake("reports/tiny/tables/per_seed.csv")
-    assert done.returncode != 0
-    [line] = [line for line in (done.stderr + done.stdout).splitlines() if line.strip().startswith("error:")][:1]
-    assert "results/tiny/learning/rooms/ptl/seed_001.h5: damaged" in line and "snakemake" in line
-    path.unlink()
-    tiny.make("results/tiny/learning/rooms/ptl/seed_001.h5")
-    assert path.read_bytes() == whole
-    tiny.make("reports/tiny/tables/per_seed.csv")
-    assert tiny.waiting() == {}
 
 
 @pytest.mark.parametrize(
@@ -188,16 +170,13 @@ def test_a_lock_that_snakemake_left_behind_is_not_in_the_way(tiny):
     assert path.read_bytes() == whole
 
 
-@pytest.mark.parametrize(
-    ("pipe", "arguments"), [("logs/tiny/odd/pipe.log", ("-n",)), ("pipe.html", ("--report", "pipe.html"))]
-)
-def test_a_pipe_where_snakemake_writes_a_file_is_refused(tiny, pipe, arguments):
-    path = tiny.folder / pipe
+def test_a_pipe_in_the_place_of_a_log_is_refused(tiny):
+    path = tiny.folder / "logs/tiny/odd/pipe.log"
     path.parent.mkdir(exist_ok=True)
     os.mkfifo(path)
     try:
-        [line] = errors_of(tiny.snakemake(*arguments, timeout=120))
-        assert f"{pipe}: is a pipe, and no file is written in its place" in line
+        [line] = errors_of(tiny.snakemake("-n", timeout=120))
+        assert "logs/tiny/odd/pipe.log: is a pipe, and no file is written in its place" in line
     finally:
         path.unlink()
 

@@ -19,6 +19,7 @@ from ptl.files.csv import write_csv
 from ptl.jobs.kinds import job_from
 from ptl.learning.life import learn_life, tasks_of
 from ptl.measures.statistics import Resampling
+from ptl.report.format_tables import filled
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 from studies.beyond import summary
@@ -197,6 +198,11 @@ def test_the_shipped_configurations_are_right(monkeypatch):
     assert 0.4 < cost.hours < 4  # README.md says half an hour on two cores
     half = cost_of_lives(jobs[::2], population_of(study), given_maps(study))
     assert half.hours < cost.hours and half.jobs == -(-cost.jobs // 2)
+
+
+def test_files_are_described():
+    page = (FOLDER / "README.md").read_text()
+    assert "`library_size`" in page and page == filled(page), "run 'make docs'"
 
 
 @pytest.mark.parametrize(

@@ -34,7 +34,7 @@ class Side:
         self.folder = folder
         ignored = shutil.ignore_patterns("__pycache__", "tests")
         shutil.copytree(ROOT / "studies/beyond", folder / "studies/beyond", ignore=ignored)
-        (folder / "studies/__init__.py").touch()
+        shutil.copy(ROOT / "studies/__init__.py", folder / "studies")
         (folder / "mine.py").write_text(MINE)
         (folder / "arena.map").write_text(ARENA)
         self.configure()
