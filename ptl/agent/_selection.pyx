@@ -2,10 +2,10 @@
 # cython: embedsignature=True
 """Draws of skills and arms, compiled because a life has thousands of them and each is a few sums.
 
-What a skill's probability is made of says `ptl.agent.selection`.
+What a skill's probability is made of says `ptl.agent.selection`; arms are those of policy reuse.
 """
 
-from libc.math cimport exp, log
+from libc.math cimport exp, log, pow
 from libc.stdint cimport int64_t
 
 import numpy as np
@@ -20,16 +20,6 @@ cdef extern from *:
 
 SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
-
-
-def draw_index(weights, random):
-    """Draw an index with probability proportional to its weight, float (k,), from one uniform number."""
-    cdef const double[::1] given = weights
-    cdef double total = 0.0
-    cdef Py_ssize_t index
-    for index in range(len(given)):
-        total += given[index]
-    return place(given, random.random() * total)
 
 
 cdef Py_ssize_t place(const double[::1] weights, double aim) noexcept:
@@ -112,8 +102,8 @@ cdef class SkillSelection:
         self.visits += skill + 1
         return skill
 
-    def record(self, used, length):
-        """Update every skill used in an episode with the episode's length in steps."""
+    def record(self, used, length, at_goal=True):
+        """Update every skill used in an episode with the episode's length in steps, whether or not it was truncated."""
         cdef double new = 1.0 / length
         cdef Py_ssize_t skill
         for skill in set(used):
@@ -143,4 +133,77 @@ cdef class SkillSelection:
             self.visits += 1
             self._weights[skill] = exp(self._weights[skill] - greatest)
             total += self._weights[skill]
+        return total
+
+
+cdef class ArmSelection:
+    """Draws arms by what they have gained (PRQ-learning; source: Fernandez and Veloso, 2006, 2013).
+
+    Arm k is drawn with probability exp(tau W_k) / sum_j exp(tau W_j). W_k is the mean discounted return of the
+    episodes of arm k, 0 before the first.
+
+    Parameters
+    ----------
+    arms : int
+    gamma : float
+        Discount per step.
+    temperature, temperature_step : float
+        tau in the first episode, and its growth after every episode.
+
+    Raises
+    ------
+    ValueError
+        If there is no arm.
+    """
+
+    cdef double _gamma, _temperature, _step
+    cdef double[::1] _gain, _uses, _weights
+
+    def __cinit__(self, Py_ssize_t arms, double gamma, double temperature, double temperature_step):
+        if arms < 1:
+            raise ValueError(f"there must be an arm at least, not {arms}")
+        self._gamma, self._temperature, self._step = gamma, temperature, temperature_step
+        self._gain, self._uses, self._weights = np.zeros(arms), np.zeros(arms), np.empty(arms)
+
+    @property
+    def gain(self):
+        """W_k, float (arms,)."""
+        return np.array(self._gain)
+
+    @property
+    def uses(self):
+        """Episodes of each arm so far, float (arms,)."""
+        return np.array(self._uses)
+
+    def probabilities(self):
+        """Return the probability of drawing each arm, float (arms,)."""
+        total = self.weigh()
+        return np.array(self._weights) / total
+
+    def draw(self, random):
+        """Draw an arm; one uniform number."""
+        cdef double total = self.weigh()
+        return place(self._weights, random.random() * total)
+
+    def record(self, used, int64_t length, bint at_goal=True):
+        """Update the arm used in an episode with its return, and let tau grow."""
+        cdef Py_ssize_t arm
+        [arm] = used
+        if not 0 <= arm < len(self._gain):
+            raise IndexError(f"there is no arm {arm} among {len(self._gain)}")
+        # the only reward is 1 at the goal, so the return of an episode of m steps is gamma**(m - 1)
+        cdef double discounted = pow(self._gamma, length - 1) if at_goal else 0.0
+        self._gain[arm] = (self._gain[arm] * self._uses[arm] + discounted) / (self._uses[arm] + 1)
+        self._uses[arm] += 1
+        self._temperature += self._step
+
+    cdef double weigh(self) noexcept:
+        """Write a multiple of each arm's probability, the greatest 1, and return their sum."""
+        cdef double greatest = 0.0, total = 0.0
+        cdef Py_ssize_t arm
+        for arm in range(len(self._gain)):
+            greatest = max(greatest, self._gain[arm])
+        for arm in range(len(self._gain)):
+            self._weights[arm] = exp(self._temperature * (self._gain[arm] - greatest))
+            total += self._weights[arm]
         return total
