@@ -4,7 +4,7 @@
 
 cimport cython
 from libc.math cimport rint
-from libc.stdint cimport int64_t, uint8_t, uint32_t, uint64_t
+from libc.stdint cimport int32_t, int64_t, uint8_t, uint32_t, uint64_t
 
 import numpy as np
 
@@ -170,12 +170,13 @@ def run_episodes(Learner learner not None, plan, start, int episodes, int trajec
     """
     learner.admit()
     cdef Run run = Run(learner, plan)
-    cdef int n = learner.dynamics.n_states, episode, length
+    cdef int n = learner.dynamics.n_states, episode, length, i
     cdef uint32_t first = <uint32_t>checked_index("start", start, n)
     lengths, cut_short = np.empty(episodes, dtype=np.int64), np.empty(episodes, dtype=bool)
     cdef int64_t[::1] steps = lengths
     cdef uint8_t[::1] truncated = cut_short.view(np.uint8)
     cdef uint32_t[::1] path = np.empty(n, dtype=np.uint32)
+    cdef int32_t[::1] kept
     cdef list drawn = [], paths = []
     for episode in range(episodes):
         learner.episodes += 1
@@ -184,6 +185,9 @@ def run_episodes(Learner learner not None, plan, start, int episodes, int trajec
         truncated[episode] = learner.here != learner.goal
         if learner.here == learner.goal and len(paths) < trajectories:
             length = learner.erase_loops(&path[0])
-            paths.append(np.array(path.base[: length + 1], dtype=np.int32))
+            kept = np.empty(length + 1, dtype=np.int32)
+            for i in range(length + 1):
+                kept[i] = path[i]
+            paths.append(kept.base)
     return lengths, cut_short, drawn, paths
 

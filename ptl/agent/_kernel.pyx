@@ -487,12 +487,18 @@ cdef class Learner:
     @property
     def seen(self):
         """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
-        taken = self._keep[7].copy()
-        # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
-        states, pairs = np.nonzero(self._keep[8])
-        taken[states, pairs & 3] = 1
-        taken[self.dynamics._keep[0][states, pairs & 3], pairs >> 2] = 1
-        return np.packbits(taken, axis=1, bitorder="little")[:, 0].copy()
+        cdef int state, action, pair, n = self.dynamics.n_states
+        result = np.zeros(n, dtype=np.uint8)
+        cdef uint8_t[::1] seen = result
+        for state in range(n):
+            for action in range(4):
+                seen[state] |= self.taken_actions[4 * state + action] << action
+            # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
+            for pair in range(16):
+                if self.taken_pairs[16 * state + pair]:
+                    seen[state] |= 1 << (pair & 3)
+                    seen[self.dynamics.successors[4 * state + (pair & 3)]] |= 1 << (pair >> 2)
+        return result
 
     @property
     def recorded(self):

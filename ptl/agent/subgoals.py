@@ -125,15 +125,18 @@ def discover(
     ValueError
         If a path is empty, or it or the known states hold something that is not a state of the graph.
     """
-    paths = [checked_states(path, graph.n_states) for path in paths]
+    paths = [np.asarray(path) for path in paths]
     if any(path.ndim != 1 or not path.size for path in paths):
         raise ValueError("a path must be a sequence of one or more states")
+    if paths:
+        checked_states(np.concatenate(paths), graph.n_states)
     covered = covered_states(graph, known, cover_radius)
-    rests = [cut_known(path, covered) for path in paths]
+    rests = [cut_known(path, covered) for path in paths] if covered.any() else paths
+    original = fd_metric(paths, graph.n_states, form)
     return Discovery(
-        original=fd_metric(paths, graph.n_states, form),
-        incremental=fd_metric(rests, graph.n_states, form),
-        novelty=float(np.mean([len(rest) - 1 for rest in rests])) if rests else 0.0,
+        original=original,
+        incremental=original if rests is paths else fd_metric(rests, graph.n_states, form),
+        novelty=sum(len(rest) - 1 for rest in rests) / len(rests) if rests else 0.0,
         diameter=graph.diameter(),
         paths=paths,
     )
