@@ -5,8 +5,11 @@
 What a skill's probability is made of says `ptl.agent.selection`; arms are those of policy reuse.
 """
 
+cimport cython
+from cpython.pycapsule cimport PyCapsule_GetPointer
 from libc.math cimport exp, log, pow
 from libc.stdint cimport int64_t
+from numpy.random cimport bitgen_t
 
 import numpy as np
 
@@ -31,6 +34,25 @@ cdef Py_ssize_t place(const double[::1] weights, double aim) noexcept:
         if aim < passed:
             return index
     return last
+
+
+@cython.final
+cdef class Uniform:
+    """Uniform numbers from [0, 1): those of ``random.random()``, without the cost of a call if it is numpy's own."""
+
+    cdef object random, capsule
+    cdef bitgen_t* generator
+
+    cdef double next(self, random) except? -1:
+        if random is not self.random:
+            self.random, self.generator = random, NULL
+            if type(random) is np.random.Generator:
+                # the capsule of the class itself: that of a subclass in Python may belong to an object that is gone
+                self.capsule = np.random.BitGenerator.capsule.__get__(random.bit_generator)
+                self.generator = <bitgen_t*>PyCapsule_GetPointer(self.capsule, "BitGenerator")
+        if self.generator == NULL:
+            return random.random()
+        return self.generator.next_double(self.generator.state)
 
 
 cdef class SkillSelection:
@@ -59,13 +81,16 @@ cdef class SkillSelection:
     cdef double _exponent, _weight
     cdef object _prior
     cdef const double[::1] _log_prior
-    cdef double[::1] _measured, _weights
+    cdef double[::1] _measured, _log_measured, _weights
+    cdef Uniform _uniform
     cdef readonly int64_t visits
 
     def __init__(self, prior, double exponent=2.0, double weight=0.5):
         self.prior = prior
         self._exponent, self._weight = exponent, weight
         self._measured, self._weights = np.zeros(len(prior)), np.empty(len(prior))
+        self._log_measured = np.zeros(len(prior))
+        self._uniform = Uniform()
 
     @property
     def prior(self):
@@ -98,7 +123,7 @@ cdef class SkillSelection:
     def draw(self, random):
         """Draw a skill; one uniform number and a few loops over the skills."""
         cdef double total = self.weigh()
-        cdef Py_ssize_t skill = place(self._weights, random.random() * total)
+        cdef Py_ssize_t skill = place(self._weights, self._uniform.next(random) * total)
         self.visits += skill + 1
         return skill
 
@@ -113,6 +138,7 @@ cdef class SkillSelection:
                 self._measured[skill] += self._weight * (new - self._measured[skill])
             else:
                 self._measured[skill] = new
+            self._log_measured[skill] = log(self._measured[skill])
 
     cdef double weigh(self) except -1:
         """Write a multiple of each skill's probability, the greatest 1, and return their sum."""
@@ -125,7 +151,7 @@ cdef class SkillSelection:
         # in logarithms, because a large exponent takes the product of prior and likelihood out of range
         for skill in range(number):
             self.visits += 1
-            performance = log(self._measured[skill]) if self._measured[skill] > 0 else of_unused
+            performance = self._log_measured[skill] if self._measured[skill] > 0 else of_unused
             self._weights[skill] = self._log_prior[skill] + self._exponent * performance
             if skill == 0 or self._weights[skill] > greatest:
                 greatest = self._weights[skill]
@@ -158,12 +184,14 @@ cdef class ArmSelection:
 
     cdef double _gamma, _temperature, _step
     cdef double[::1] _gain, _uses, _weights
+    cdef Uniform _uniform
 
     def __cinit__(self, Py_ssize_t arms, double gamma, double temperature, double temperature_step):
         if arms < 1:
             raise ValueError(f"there must be an arm at least, not {arms}")
         self._gamma, self._temperature, self._step = gamma, temperature, temperature_step
         self._gain, self._uses, self._weights = np.zeros(arms), np.zeros(arms), np.empty(arms)
+        self._uniform = Uniform()
 
     @property
     def gain(self):
@@ -183,7 +211,7 @@ cdef class ArmSelection:
     def draw(self, random):
         """Draw an arm; one uniform number."""
         cdef double total = self.weigh()
-        return place(self._weights, random.random() * total)
+        return place(self._weights, self._uniform.next(random) * total)
 
     def record(self, used, int64_t length, bint at_goal=True):
         """Update the arm used in an episode with its return, and let tau grow."""

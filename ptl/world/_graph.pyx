@@ -109,6 +109,32 @@ def breadth_first(const int32_t[::1] first, const int32_t[::1] neighbours, const
     return result
 
 
+def first_steps(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known, const int32_t[::1] steps):
+    """The first known action of each state that leads one step nearer, -1 where none does.
+
+    Parameters
+    ----------
+    successors, known : as in `compressed_rows`
+    steps : int32 array, shape (n,)
+        Steps from each state, -1 where no path leads.
+
+    Returns
+    -------
+    int8 array, shape (n,)
+    """
+    cdef Py_ssize_t state, action
+    result = np.full(successors.shape[0], -1, dtype=np.int8)
+    cdef signed char[::1] policy = result
+    for state in range(successors.shape[0]):
+        if steps[state] <= 0:
+            continue
+        for action in range(successors.shape[1]):
+            if known[state, action] and steps[successors[state, action]] == steps[state] - 1:
+                policy[state] = <signed char>action
+                break
+    return result
+
+
 cdef int64_t n_searches = 0
 
 

@@ -76,9 +76,7 @@ class TransitionGraph:
 
         Among several the first in the order north, south, west, east.
         """
-        steps = self.steps_to(target)
-        closer = self.known & (steps[self.successors] == steps[:, None] - 1) & (steps[:, None] > 0)
-        return np.where(closer.any(axis=1), closer.argmax(axis=1), -1).astype(np.int8)
+        return _graph.first_steps(self.successors, self.known.view(np.uint8), self.steps_to(target))
 
     def diameter(self) -> int:
         """Return the longest shortest path in steps between connected states, transitions taken in both directions."""
