@@ -27,14 +27,15 @@ DISTANCE_FORMS = ("tent", "parabola")
 """
 
 
-def visits_and_distances(const int32_t[::1] states, const int64_t[::1] first, const int64_t[::1] end, int n_states,
-                         form):
-    """How many paths contain each state, and the sum of its distance on them; a path of no steps has distance 0.
+def frequency_and_distance(const int32_t[::1] states, const int64_t[::1] first, const int64_t[::1] end, int n_states,
+                           form):
+    """The share of the paths that contain each state, and the mean of its distance on those; both 0 without a path.
+
+    A path of no steps has distance 0.
 
     Returns
     -------
-    visits : int64 array, shape (n_states,)
-    total : float64 array, shape (n_states,)
+    frequency, distance : float64 arrays, shape (n_states,)
 
     Raises
     ------
@@ -44,23 +45,26 @@ def visits_and_distances(const int32_t[::1] states, const int64_t[::1] first, co
     if form not in DISTANCE_FORMS:
         raise ValueError(f"the form of the distance must be one of {', '.join(DISTANCE_FORMS)}, not {form!r}")
     cdef bint tent = form == "tent"
-    cdef int64_t path, j, length
+    cdef int64_t path, j, length, paths = first.shape[0]
     cdef int32_t state
-    visits, total = np.zeros(n_states, dtype=np.int64), np.zeros(n_states)
-    cdef int64_t[::1] visited = visits
-    cdef double[::1] distance = total
-    for path in range(first.shape[0]):
+    frequencies, distances = np.zeros(n_states), np.zeros(n_states)
+    cdef double[::1] frequency = frequencies, distance = distances
+    for path in range(paths):
         length = end[path] - first[path] - 1
         for j in range(length + 1):
             state = states[first[path] + j]
-            visited[state] += 1
+            frequency[state] += 1
             if length == 0:
                 pass
             elif tent:
                 distance[state] += 2.0 * min(j, length - j) / length
             else:
                 distance[state] += 4.0 * (j * (length - j)) / (length * length)
-    return visits, total
+    for state in range(n_states):
+        if frequency[state]:
+            distance[state] /= frequency[state]
+            frequency[state] /= paths
+    return frequencies, distances
 
 
 def last_covered(const int32_t[::1] states, const int64_t[::1] first, const int64_t[::1] end,

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ptl.agent._paths import last_covered, visits_and_distances
+from ptl.agent._paths import frequency_and_distance, last_covered
 from ptl.world.transitions import TransitionGraph, checked_states
 
 
@@ -39,12 +39,12 @@ class _Laid(NamedTuple):
 
 
 def _lay(paths: Sequence[np.ndarray], n_states: int) -> _Laid:
-    paths = [np.asarray(path) for path in paths]
-    if any(path.ndim != 1 or not path.size for path in paths):
+    sizes = np.array([len(path) for path in paths], dtype=np.int64)
+    states = checked_states(np.concatenate(paths) if len(paths) else [], n_states)
+    if states.ndim != 1 or not sizes.all():
         raise ValueError("a path must be a sequence of one or more states")
-    end = np.cumsum([len(path) for path in paths], dtype=np.int64)
-    first = np.concatenate([[0], end[:-1]]).astype(np.int64)[: len(paths)]
-    return _Laid(checked_states(np.concatenate(paths) if paths else [], n_states), first, end)
+    end = sizes.cumsum()
+    return _Laid(states, end - sizes, end)
 
 
 def fd_metric(paths: Sequence[np.ndarray], n_states: int, form: str = "tent") -> FDMetric:
@@ -57,9 +57,7 @@ def fd_metric(paths: Sequence[np.ndarray], n_states: int, form: str = "tent") ->
 
 
 def _metric(paths: _Laid, n_states: int, form: str) -> FDMetric:
-    visits, total = visits_and_distances(*paths, n_states, form)
-    distance = np.divide(total, visits, out=np.zeros(n_states), where=visits > 0)
-    return FDMetric(visits / max(len(paths.first), 1), distance)
+    return FDMetric(*frequency_and_distance(*paths, n_states, form))
 
 
 def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) -> np.ndarray:
@@ -138,11 +136,12 @@ def discover(
         If a path is empty, or it or the known states hold something that is not a state of the graph.
     """
     laid = _lay(paths, graph.n_states)
-    rests = _cut(laid, covered_states(graph, known, cover_radius))
+    rests = _cut(laid, covered_states(graph, known, cover_radius)) if len(known) else laid
+    original = _metric(laid, graph.n_states, form)
     return Discovery(
-        original=_metric(laid, graph.n_states, form),
-        incremental=_metric(rests, graph.n_states, form),
-        novelty=float(np.mean(rests.end - rests.first - 1)) if paths else 0.0,
+        original=original,
+        incremental=original if rests is laid else _metric(rests, graph.n_states, form),
+        novelty=float((rests.end - rests.first - 1).mean()) if len(paths) else 0.0,
         diameter=graph.diameter(),
         paths=paths,
     )

@@ -180,34 +180,26 @@ def diameter(const int32_t[::1] first, const int32_t[::1] neighbours):
         Rows of a graph as `compressed_rows` gives them; they are not checked.
     """
     cdef Py_ssize_t n = first.shape[0] - 1, i, k, reached, kept, number
-    cdef int32_t longest = 0, vertex, pick, eccentricity
+    cdef int32_t longest = 0, vertex, eccentricity
     cdef bint take_highest
     cdef int32_t[::1] distance = np.empty(n, dtype=np.int32), queue = np.empty(n, dtype=np.int32)
-    cdef int32_t[::1] open_ = np.empty(n, dtype=np.int32), source = np.empty(1, dtype=np.int32)
+    cdef int32_t[::1] open_ = np.empty(n, dtype=np.int32), pick = np.empty(1, dtype=np.int32)
     cdef int32_t[::1] lower = np.zeros(n, dtype=np.int32), upper = np.full(n, n, dtype=np.int32)
-    cdef uint8_t[::1] done = np.zeros(n, dtype=np.uint8)
     for i in range(n):
-        if done[i] or first[i] == first[i + 1]:
-            continue
-        source[0] = <int32_t>i
-        reached = kept = search(first, neighbours, source, &distance[0], &queue[0])
-        for k in range(reached):
-            open_[k] = queue[k]
-            done[queue[k]] = True
+        if upper[i] < n or first[i] == first[i + 1]:
+            continue  # of a component that is done, or alone
+        pick[0] = <int32_t>i
+        kept = 0
         take_highest = True
-        while kept:
-            # In turn a vertex that may be far out (raises the lower bound) and one that is central (lowers the upper).
-            pick = open_[0]
-            for k in range(1, kept):
-                vertex = open_[k]
-                if upper[vertex] > upper[pick] if take_highest else lower[vertex] < lower[pick]:
-                    pick = vertex
-            take_highest = not take_highest
-            source[0] = pick
-            search(first, neighbours, source, &distance[0], &queue[0])
+        while True:
+            reached = search(first, neighbours, pick, &distance[0], &queue[0])
+            if not kept:
+                for kept in range(reached):
+                    open_[kept] = queue[kept]
+                kept = reached
             eccentricity = distance[queue[reached - 1]]
             longest = max(longest, eccentricity)
-            upper[pick] = eccentricity
+            upper[pick[0]] = eccentricity
             number, kept = kept, 0
             for k in range(number):
                 vertex = open_[k]
@@ -216,4 +208,13 @@ def diameter(const int32_t[::1] first, const int32_t[::1] neighbours):
                 if upper[vertex] > longest and lower[vertex] < upper[vertex]:
                     open_[kept] = vertex
                     kept += 1
+            if not kept:
+                break
+            # In turn a vertex that may be far out (raises the lower bound) and one that is central (lowers the upper).
+            pick[0] = open_[0]
+            for k in range(1, kept):
+                vertex = open_[k]
+                if upper[vertex] > upper[pick[0]] if take_highest else lower[vertex] < lower[pick[0]]:
+                    pick[0] = vertex
+            take_highest = not take_highest
     return longest
