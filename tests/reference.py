@@ -182,7 +182,11 @@ class ReferenceLearner:
             for action, value in enumerate(row):
                 self.set_value(state, action, value)
 
-    def follow(self, policy: Sequence[int], subgoal: int, budget: int | None = None) -> None:
+    def values_of(self, state: int) -> tuple[float, ...]:
+        """Return the four action values of a state."""
+        return tuple(self._q[state])
+
+    def follow(self, policy: Sequence[int], subgoal: int | None = None, budget: int | None = None) -> None:
         """Follow ``policy`` until the subgoal, an undefined state (-1), the goal, ``budget`` steps or ``max_steps``."""
         end = self._max_steps if budget is None else min(self._max_steps, self.steps + budget)
         while self.steps < end and not self.at_goal and self.state != subgoal:
@@ -191,11 +195,14 @@ class ReferenceLearner:
                 break
             self._step(action)
 
-    def reuse(self, policy: Sequence[int], psi: float, decay: float) -> None:
-        """pi-reuse (Fernandez and Veloso) of ``policy`` until the goal or ``max_steps``."""
+    def reuse(self, policy: Sequence[int], psi: float, decay: float, subgoal: int | None = None) -> None:
+        """pi-reuse (Fernandez and Veloso) of ``policy`` until the goal or ``max_steps``.
+
+        With a subgoal until this or until psi has vanished.
+        """
         threshold = int(psi * WORD_HALF)
         while threshold > 0:
-            if self.steps >= self._max_steps or self.at_goal:
+            if self.steps >= self._max_steps or self.at_goal or self.state == subgoal:
                 return
             draw = self._draw32()
             past_action = int(policy[self.state])
@@ -205,7 +212,8 @@ class ReferenceLearner:
                 self._epsilon_greedy_step(threshold)
             psi *= decay
             threshold = int(psi * WORD_HALF)
-        self.explore(epsilon=0.0)
+        if subgoal is None:
+            self.explore(epsilon=0.0)
 
     # -- one step
 

@@ -67,6 +67,7 @@ cdef class Run:
         self.learner = learner
         self.draw, self.guide, self.note = plan.draw, plan.guide, plan.note
         self.led = {}
+        self.led_in = None
         self.mixes = plan.mixing is not None
         if self.mixes:
             self.psi, self.decay = plan.mixing

@@ -13,7 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ptl.agent._episodes import run_episodes
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.plan import Guide, Mixing, Plan
 from ptl.agent.selection import prior
 from ptl.agent.subgoals import discover
 from ptl.learning._survey import subgoals_from
@@ -194,6 +196,41 @@ def test_objects_are_made_whole_or_not_at_all(record_property):
         assert 0 <= agent.state < dynamics.n_states and np.isfinite(agent.q).all()
     assert made
     record_property("hostile calls of compiled code", CALLS)
+
+
+def test_a_plan_hands_nothing_unchecked_to_the_loop(record_property):
+    hostile = Hostile(15)
+    refused = 0
+    calls = CALLS // 3
+    for _ in range(calls):
+        agent = learner_of(hostile)
+        others = list(learner_calls(hostile).values())
+
+        def draw(agent=agent, others=others) -> Any:
+            if hostile.random.random() < 0.2:  # a method may move the agent wherever it is asked
+                hostile.one_of(*others)(agent)
+            return hostile.one_of(0, 1, 1, hostile.number(2))
+
+        def guide(_: int) -> Any:
+            policy = hostile.array(N, low=-1, high=4, dtype=np.int8)
+            states = hostile.one_of(None, None, hostile.array(N, high=2, dtype=bool))
+            return hostile.one_of(None, Guide(policy, hostile.one_of(None, hostile.number()), states), hostile.number())
+
+        try:
+            mixing = hostile.one_of(None, None, Mixing(hostile.share(), hostile.share()))
+            plan = Plan(
+                draw, guide, mixing=mixing, epsilon=hostile.one_of(None, hostile.share()),
+                patience=hostile.one_of(None, 7.0, hostile.share()), growth=hostile.one_of(1.0, 2.0, hostile.number()),
+            )  # fmt: skip
+            steps, _, drawn, _ = run_episodes(
+                agent, plan, hostile.number(), hostile.one_of(5, 5, 5, 0, -1, "3"), hostile.number(5)
+            )
+            assert len(steps) == len(drawn)
+        except (*REFUSALS, AttributeError):
+            refused += 1
+        assert 0 <= agent.state < N and np.isfinite(agent.q).all() and (agent.seen < 16).all()
+    assert calls / 10 < refused < calls
+    record_property("hostile calls of compiled code", calls)
 
 
 def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
