@@ -487,17 +487,19 @@ cdef class Learner:
     @property
     def seen(self):
         """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
-        cdef int state, action, pair, n = self.dynamics.n_states
+        cdef int state, action, n = self.dynamics.n_states
+        cdef uint8_t second
+        cdef const uint8_t* pairs
         result = np.zeros(n, dtype=np.uint8)
         cdef uint8_t[::1] seen = result
         for state in range(n):
-            for action in range(4):
-                seen[state] |= self.taken_actions[4 * state + action] << action
             # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
-            for pair in range(16):
-                if self.taken_pairs[16 * state + pair]:
-                    seen[state] |= 1 << (pair & 3)
-                    seen[self.dynamics.successors[4 * state + (pair & 3)]] |= 1 << (pair >> 2)
+            pairs = &self.taken_pairs[16 * state]
+            for action in range(4):
+                second = pairs[action] | pairs[action + 4] << 1 | pairs[action + 8] << 2 | pairs[action + 12] << 3
+                seen[state] |= (self.taken_actions[4 * state + action] | (second != 0)) << action
+                if second:
+                    seen[self.dynamics.successors[4 * state + action]] |= second
         return result
 
     @property

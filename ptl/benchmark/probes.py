@@ -25,7 +25,7 @@ from ptl.config import Parameters
 from ptl.learning import life as learning
 from ptl.learning.growth import grow_library
 from ptl.learning.life import learn_life, tasks_of
-from ptl.world import mazes, transitions
+from ptl.world import _graph, mazes
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.transitions import TransitionGraph
 
@@ -162,20 +162,9 @@ def _discovery(world: GridWorld, learner: Learner) -> list[Record]:
 
 def searches_of(work: Callable[[], Any]) -> int:
     """Number of breadth-first searches that the work makes."""
-    searches = 0
-    search = transitions.breadth_first
-
-    def counted(*arguments: Any) -> np.ndarray:
-        nonlocal searches
-        searches += 1
-        return search(*arguments)
-
-    transitions.breadth_first = counted
-    try:
-        work()
-    finally:
-        transitions.breadth_first = search
-    return searches
+    before = _graph.searches()
+    work()
+    return _graph.searches() - before
 
 
 def diameter(kind: str, size: int) -> list[Record]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -208,7 +209,7 @@ def learn_life(
     """
     names = (methods.identifier(method), *stream_names)
     make = methods.load(method) if isinstance(method, str) else method
-    dynamics = Dynamics(world.successors)
+    dynamics = _dynamics(world)
     agent = make(world, parameters, seeding.generator(root_seed, *names, "choices"))
     records = [
         learn_task(
@@ -217,3 +218,8 @@ def learn_life(
         for index, task in enumerate(tasks)
     ]
     return Life(records, agent.library)
+
+
+@lru_cache(maxsize=8)  # the lives on one map follow each other
+def _dynamics(world: GridWorld) -> Dynamics:
+    return Dynamics(world.successors)

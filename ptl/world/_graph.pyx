@@ -18,13 +18,13 @@ SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
 
 
-def compressed_rows(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known, bint forward, bint backward):
+def compressed_rows(const int32_t[:, ::1] successors not None, const uint8_t[:, ::1] known not None,
+                    bint forward, bint backward):
     """The graph of known transitions, each in one or both of its directions, without edges from a state to itself.
 
     Parameters
     ----------
     successors : int32 array, shape (n, actions)
-        States, which are not checked.
     known : uint8 array, shape (n, actions)
         Whether a transition is an edge.
     forward, backward : bool
@@ -34,7 +34,13 @@ def compressed_rows(const int32_t[:, ::1] successors, const uint8_t[:, ::1] know
     first : int32 array, shape (n + 1,)
     neighbours : int32 array
         As `breadth_first` takes them.
+
+    Raises
+    ------
+    ValueError
+        If a successor is not a state, or the shapes differ.
     """
+    check_successors(successors, known)
     cdef Py_ssize_t n = successors.shape[0], state, action
     cdef int32_t other, total = 0, size
     rows = np.zeros(n + 1, dtype=np.int32)
@@ -109,7 +115,8 @@ def breadth_first(const int32_t[::1] first, const int32_t[::1] neighbours, const
     return result
 
 
-def first_steps(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known, const int32_t[::1] steps):
+def first_steps(const int32_t[:, ::1] successors not None, const uint8_t[:, ::1] known not None,
+                const int32_t[::1] steps not None):
     """The first known action of each state that leads one step nearer, -1 where none does.
 
     Parameters
@@ -121,7 +128,15 @@ def first_steps(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known, c
     Returns
     -------
     int8 array, shape (n,)
+
+    Raises
+    ------
+    ValueError
+        If a successor is not a state, or the shapes differ.
     """
+    check_successors(successors, known)
+    if steps.shape[0] != successors.shape[0]:
+        raise ValueError(f"there must be steps for each of {successors.shape[0]} states, not for {steps.shape[0]}")
     cdef Py_ssize_t state, action
     result = np.full(successors.shape[0], -1, dtype=np.int8)
     cdef signed char[::1] policy = result
@@ -133,6 +148,17 @@ def first_steps(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known, c
                 policy[state] = <signed char>action
                 break
     return result
+
+
+cdef int check_successors(const int32_t[:, ::1] successors, const uint8_t[:, ::1] known) except -1:
+    cdef Py_ssize_t state, action, n = successors.shape[0]
+    if known.shape[0] != n or known.shape[1] != successors.shape[1]:
+        raise ValueError("successors and known must have the same shape")
+    for state in range(n):
+        for action in range(successors.shape[1]):
+            if not 0 <= successors[state, action] < n:
+                raise ValueError(f"a successor must be a state from 0 to {n - 1}, not {successors[state, action]}")
+    return 0
 
 
 cdef int64_t n_searches = 0
@@ -168,17 +194,19 @@ cdef Py_ssize_t search(const int32_t[::1] first, const int32_t[::1] neighbours, 
     return tail
 
 
-def diameter(const int32_t[::1] first, const int32_t[::1] neighbours):
-    """The longest shortest path between connected vertices of a graph whose edges lead both ways.
+def diameter(const int32_t[:, ::1] successors not None, const uint8_t[:, ::1] known not None):
+    """The longest shortest path between connected states over known transitions in both directions.
 
     Exact, by bounding the eccentricities from few searches (Takes and Kosters, 2011) instead of one from each vertex:
     d(v, w) <= ecc(w) <= ecc(v) + d(v, w) and ecc(w) >= ecc(v) - d(v, w).
 
     Parameters
     ----------
-    first, neighbours : int32 arrays
-        Rows of a graph as `compressed_rows` gives them; they are not checked.
+    successors, known
+        As in `compressed_rows`, with its errors.
     """
+    cdef const int32_t[::1] first, neighbours
+    first, neighbours = compressed_rows(successors, known, True, True)
     cdef Py_ssize_t n = first.shape[0] - 1, i, k, reached, kept, number
     cdef int32_t longest = 0, vertex, eccentricity
     cdef bint take_highest

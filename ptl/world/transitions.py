@@ -80,4 +80,4 @@ class TransitionGraph:
 
     def diameter(self) -> int:
         """Return the longest shortest path in steps between connected states, transitions taken in both directions."""
-        return _graph.diameter(*self._rows(forward=True, backward=True))
+        return _graph.diameter(self.successors, self.known.view(np.uint8))

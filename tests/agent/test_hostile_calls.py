@@ -15,10 +15,12 @@ import pytest
 
 from ptl.agent._episodes import run_episodes
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent._paths import frequency_and_distance, last_covered
 from ptl.agent.plan import Guide, Mixing, Plan
 from ptl.agent.selection import prior
 from ptl.agent.subgoals import discover
 from ptl.learning._survey import subgoals_from
+from ptl.world import _graph
 from ptl.world._graph import breadth_first
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
@@ -240,10 +242,21 @@ def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
     graph = lambda: TransitionGraph(  # noqa: E731
         hostile.array(N, 4), hostile.one_of(None, hostile.array(N, high=16, dtype=np.uint8))
     )
+    places = lambda: hostile.array(2, high=6, dtype=np.int64)  # noqa: E731
+    known = lambda: hostile.array(N, 4, high=2, dtype=np.uint8)  # noqa: E731
+    moves = lambda: hostile.array(N, 4, dtype=np.int32)  # noqa: E731
+    flags = lambda: hostile.array(N, high=2, dtype=np.uint8)  # noqa: E731
     paths = lambda: [hostile.array(5) for _ in range(hostile.random.integers(3))]  # noqa: E731
     return [
         lambda: breadth_first(np.sort(rows()), ends(), hostile.array(2, dtype=np.int32)),
         lambda: breadth_first(rows(), ends(), hostile.array(2, dtype=np.int32)),
+        lambda: _graph.compressed_rows(moves(), known(), hostile.one_of(True, False), hostile.one_of(True, False)),
+        lambda: _graph.first_steps(moves(), known(), hostile.array(N, low=-1, dtype=np.int32)),
+        lambda: _graph.diameter(moves(), known()),
+        lambda: last_covered(hostile.array(6, dtype=np.int32), np.sort(places()), places(), flags()),
+        lambda: frequency_and_distance(
+            hostile.array(6, dtype=np.int32), np.sort(places()), places(), hostile.one_of(N, N, -1), hostile.one_of("tent", 3)
+        ),
         lambda: graph().steps_from(hostile.one_of(hostile.array(2), [hostile.number()])),
         lambda: graph().steps_to(hostile.number()),
         lambda: graph().shortest_path_policy(hostile.number()),
