@@ -46,7 +46,8 @@ cdef class Led:
         if guide.initiation is not None:
             states = np.array(guide.initiation)
             if states.dtype != bool or states.shape != (n_states,):
-                raise ValueError(f"an initiation set must be a bool array of {n_states} states, not {states.dtype} {states.shape}")
+                raise ValueError(f"an initiation set must be a bool array of {n_states} states, not {states.dtype} array"
+                                 f" of the shape {states.shape}")
             self.initiation = states.view(np.uint8)
 
 
@@ -123,7 +124,7 @@ cdef class Run:
         return self.learner.run_reuse(&led.policy[0], led.subgoal, self.psi, self.decay)
 
     cdef int explore_led(self, Led led, int64_t budget) except -1:
-        """Explore, led again from each state of the initiation set that has not led in this episode, if it knows nothing."""
+        """Explore, led again from states of the initiation set that know nothing and have not led in this episode."""
         cdef Learner learner = self.learner
         cdef uint32_t state
         if self.led_in is None:

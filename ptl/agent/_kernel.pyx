@@ -493,7 +493,7 @@ cdef class Learner:
         result = np.zeros(n, dtype=np.uint8)
         cdef uint8_t[::1] seen = result
         for state in range(n):
-            # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
+            # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 where it led.
             pairs = &self.taken_pairs[16 * state]
             for action in range(4):
                 second = pairs[action] | pairs[action + 4] << 1 | pairs[action + 8] << 2 | pairs[action + 12] << 3

@@ -20,24 +20,19 @@ LONGEST_PATIENCE = 1e18
 
 
 class Leader(Protocol):
-    """What leads an agent: a stored policy. `Guide` and `ptl.agent.skills.Skill` are two of them.
-
-    Attributes
-    ----------
-    policy : int8 array, shape (n_states,)
-        Action of each state, -1 where undefined. It must not change; another policy is another leader.
-    subgoal : int or None
-        State at which the lead ends.
-    initiation : bool array, shape (n_states,), or None
-        Initiation set: states in which it leads again.
-    """
+    """What leads an agent: a stored policy. `Guide` and `ptl.agent.skills.Skill` are two of them."""
 
     @property
-    def policy(self) -> np.ndarray: ...
+    def policy(self) -> np.ndarray:
+        """Action of each state, int8 (n_states,), -1 where undefined; it must never change."""
+
     @property
-    def subgoal(self) -> int | None: ...
+    def subgoal(self) -> int | None:
+        """State at which the lead ends, if it does."""
+
     @property
-    def initiation(self) -> np.ndarray | None: ...
+    def initiation(self) -> np.ndarray | None:
+        """Initiation set, bool (n_states,): states in which it leads again."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,8 @@ from ptl.config import Parameters
 from ptl.learning import life as learning
 from ptl.learning.growth import grow_library
 from ptl.learning.life import learn_life, tasks_of
-from ptl.world import _graph, mazes
+from ptl.world import mazes
+from ptl.world._graph import searches
 from ptl.world.gridworld import GridWorld, load_map
 from ptl.world.transitions import TransitionGraph
 
@@ -162,9 +163,9 @@ def _discovery(world: GridWorld, learner: Learner) -> list[Record]:
 
 def searches_of(work: Callable[[], Any]) -> int:
     """Number of breadth-first searches that the work makes."""
-    before = _graph.searches()
+    before = searches()
     work()
-    return _graph.searches() - before
+    return searches() - before
 
 
 def diameter(kind: str, size: int) -> list[Record]:

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ptl.world import _graph
+from ptl.world._graph import breadth_first, compressed_rows, diameter, first_steps
 
 N_ACTIONS = 4
 
@@ -61,23 +61,23 @@ class TransitionGraph:
         return self._rows(backward=True)
 
     def _rows(self, forward: bool = False, backward: bool = False) -> tuple[np.ndarray, np.ndarray]:
-        return _graph.compressed_rows(self.successors, self.known.view(np.uint8), forward, backward)
+        return compressed_rows(self.successors, self.known.view(np.uint8), forward, backward)
 
     def steps_from(self, sources: ArrayLike | Sequence[int]) -> np.ndarray:
         """Return the steps from the nearest of some states to every state, int32 (n_states,), -1 if no path leads."""
-        return _graph.breadth_first(*self._forward, checked_states(sources, self.n_states).reshape(-1))
+        return breadth_first(*self._forward, checked_states(sources, self.n_states).reshape(-1))
 
     def steps_to(self, target: int) -> np.ndarray:
         """Return the steps from every state to ``target``, int32 (n_states,), -1 if there is no path."""
-        return _graph.breadth_first(*self._backward, checked_states([target], self.n_states))
+        return breadth_first(*self._backward, checked_states([target], self.n_states))
 
     def shortest_path_policy(self, target: int) -> np.ndarray:
         """Return the first action of a shortest path to ``target``, int8 (n_states,), -1 at the target or if none.
 
         Among several the first in the order north, south, west, east.
         """
-        return _graph.first_steps(self.successors, self.known.view(np.uint8), self.steps_to(target))
+        return first_steps(self.successors, self.known.view(np.uint8), self.steps_to(target))
 
     def diameter(self) -> int:
         """Return the longest shortest path in steps between connected states, transitions taken in both directions."""
-        return _graph.diameter(self.successors, self.known.view(np.uint8))
+        return diameter(self.successors, self.known.view(np.uint8))

@@ -255,7 +255,11 @@ def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
         lambda: _graph.diameter(moves(), known()),
         lambda: last_covered(hostile.array(6, dtype=np.int32), np.sort(places()), places(), flags()),
         lambda: frequency_and_distance(
-            hostile.array(6, dtype=np.int32), np.sort(places()), places(), hostile.one_of(N, N, -1), hostile.one_of("tent", 3)
+            hostile.array(6, dtype=np.int32),
+            np.sort(places()),
+            places(),
+            hostile.one_of(N, N, -1),
+            hostile.one_of("tent", 3),
         ),
         lambda: graph().steps_from(hostile.one_of(hostile.array(2), [hostile.number()])),
         lambda: graph().steps_to(hostile.number()),
