@@ -6,7 +6,10 @@ from numpy.random cimport bitgen_t
 cdef enum:
     SLOTS = 16       # moves of a state in the table: 12 greedy, then 4 uniform
     GREEDY_SLOTS = 12
-    ALL_ACTIONS = 15
+    ALL_ACTIONS = 15  # the greedy set of a state whose action values are equal
+
+cdef uint32_t NO_STATE  # stands for no subgoal
+cdef int64_t NO_LIMIT
 
 
 @cython.final
@@ -71,8 +74,11 @@ cdef class Learner:
     cdef int run_biased(self, int64_t budget, uint64_t epsilon, const double* bonus,
                         const uint8_t* masks) except -1 nogil
     cdef int run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) except -1 nogil
-    cdef int run_reuse(self, const signed char* policy, double psi, double decay) except -1 nogil
+    cdef int run_reuse(self, const signed char* policy, uint32_t subgoal, double psi, double decay) except -1 nogil
     cdef int erase_loops(self, uint32_t* path) noexcept nogil
+
+
+cdef int64_t checked_index(name, value, int64_t end) except -1
 
 
 cdef inline void update(Learner learner, double* values, const double* target, double alpha,

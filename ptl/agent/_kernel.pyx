@@ -27,7 +27,7 @@ the greedy slots and the uniform ones, so that the index of a move does not depe
 within two steps of it and the goal is none of them. There all four actions tie, so the next two actions are uniform and
 independent whatever epsilon is; both targets are gamma * 0, so the two updates leave Q as it is; and the episode cannot
 end. Two steps are therefore four random bits and one load from a table of two-step successors. The law of the episode
-is that of single steps, and the tests' plain reference, which takes these steps singly and with all updates, agrees bit
+is that of single steps, and `ptl.agent.reference`, which takes these steps singly and with all updates, agrees bit
 for bit. Both last exits are noted as ever, and the two actions taken as one pair.
 
 Floating point is plain IEEE double without contraction: the same bits on every machine.
@@ -64,7 +64,8 @@ cdef enum:
     WORDS = 256      # random words drawn at a time
 
 MOST_STATES = 2**32 // SLOTS  # so that an offset into the table of moves fits 32 bits
-cdef int64_t NO_LIMIT = <int64_t>1 << 62
+NO_LIMIT = <int64_t>1 << 62
+NO_STATE = <uint32_t>-1
 cdef int64_t CHECK_EVERY = <int64_t>1 << 24  # steps between looks at signals such as Ctrl-C, a fraction of a second
 cdef double TWO_32 = 4294967296.0
 cdef double LARGEST = 1e300  # bound of |Q| and of bonuses: no sum or difference of two of them overflows
@@ -368,28 +369,29 @@ cdef class Learner:
             move(self, chosen)
         return self.here
 
-    def follow(self, policy, subgoal, budget=None):
+    def follow(self, policy, subgoal=None, budget=None):
         """Follow a policy until its subgoal, a state where it is undefined, or an end as in `explore`.
 
         Parameters
         ----------
         policy : int8 array, shape (n_states,)
             Action of each state, -1 where undefined.
-        subgoal : int
+        subgoal : int, optional
             State that ends the guidance.
         budget : int, optional
             Without it a policy that leads into a wall or in a circle uses up the episode.
         """
         self.admit()
         cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
-        cdef uint32_t last = checked_index("subgoal", subgoal, self.dynamics.n_states)
+        cdef uint32_t last = checked_subgoal(subgoal, self.dynamics.n_states)
         self.run_policy(&actions[0], last, checked_budget(budget))
 
-    def reuse(self, policy, double psi=1.0, double decay=0.95):
+    def reuse(self, policy, double psi=1.0, double decay=0.95, *, subgoal=None):
         """Pi-reuse until the goal or the episode's step limit (Fernandez and Veloso).
 
         In step h the past policy is followed with probability psi_h; otherwise, and where it is undefined (our
-        choice), the new policy acts, greedily with probability 1 - psi_h and at random with psi_h.
+        choice), the new policy acts, greedily with probability 1 - psi_h and at random with psi_h. Once psi_h has
+        vanished the new policy acts greedily, or, with a subgoal, the call ends.
 
         Parameters
         ----------
@@ -397,13 +399,14 @@ cdef class Learner:
             Action of the past policy in each state, -1 where it says nothing.
         psi, decay : float
             psi_1, and the factor from psi_h to psi_{h+1}.
+        subgoal : int, optional
+            State that ends the reuse.
         """
         self.admit()
         cdef const signed char[::1] actions = checked_policy(policy, self.dynamics.n_states)
-        check_probability("psi", psi)
-        if not 0 <= decay < 1:
-            raise ValueError(f"decay must lie in [0, 1), not {decay}")
-        self.run_reuse(&actions[0], psi, decay)
+        cdef uint32_t last = checked_subgoal(subgoal, self.dynamics.n_states)
+        check_mixing(psi, decay)
+        self.run_reuse(&actions[0], last, psi, decay)
 
     def record(self, limit):
         """Note the first ``limit`` actions of this and every later episode; 0 ends it. Steps then take longer.
@@ -484,12 +487,20 @@ cdef class Learner:
     @property
     def seen(self):
         """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
-        taken = self._keep[7].copy()
-        # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 in the state it led to.
-        states, pairs = np.nonzero(self._keep[8])
-        taken[states, pairs & 3] = 1
-        taken[self.dynamics._keep[0][states, pairs & 3], pairs >> 2] = 1
-        return np.packbits(taken, axis=1, bitorder="little")[:, 0].copy()
+        cdef int state, action, n = self.dynamics.n_states
+        cdef uint8_t second
+        cdef const uint8_t* pairs
+        result = np.zeros(n, dtype=np.uint8)
+        cdef uint8_t[::1] seen = result
+        for state in range(n):
+            # Steps taken two at a time are noted as pairs: action g & 3 in the state, then g >> 2 where it led.
+            pairs = &self.taken_pairs[16 * state]
+            for action in range(4):
+                second = pairs[action] | pairs[action + 4] << 1 | pairs[action + 8] << 2 | pairs[action + 12] << 3
+                seen[state] |= (self.taken_actions[4 * state + action] | (second != 0)) << action
+                if second:
+                    seen[self.dynamics.successors[4 * state + action]] |= second
+        return result
 
     @property
     def recorded(self):
@@ -755,9 +766,9 @@ cdef class Learner:
                 self.look_at_signals()
         return 0
 
-    cdef int run_reuse(self, const signed char* policy, double psi, double decay) except -1 nogil:
+    cdef int run_reuse(self, const signed char* policy, uint32_t subgoal, double psi, double decay) except -1 nogil:
         cdef uint64_t chance = threshold(psi)
-        while chance > 0 and self.here != self.goal and self.taken < self.max_steps:
+        while chance > 0 and self.here != subgoal and self.here != self.goal and self.taken < self.max_steps:
             if draw(self) < chance and policy[self.here] >= 0:
                 step(self, policy[self.here])
             else:
@@ -766,7 +777,7 @@ cdef class Learner:
             chance = threshold(psi)
             if self.until_check <= 0:
                 self.look_at_signals()
-        return self.run_greedily(NO_LIMIT, 0)
+        return self.run_greedily(NO_LIMIT, 0) if subgoal == NO_STATE else 0
 
     cdef int erase_loops(self, uint32_t* path) noexcept nogil:
         """Write the loop-erased path of this episode; return its length in steps."""
@@ -787,6 +798,13 @@ def check_probability(name, value):
     return value
 
 
+def check_mixing(psi, decay):
+    """Raise ValueError unless pi-reuse with these ends: psi in [0, 1] and decay in [0, 1)."""
+    check_probability("psi", psi)
+    if not 0 <= decay < 1:
+        raise ValueError(f"decay must lie in [0, 1), not {decay}")
+
+
 cdef int64_t checked_index(name, value, int64_t end) except -1:
     """A whole number from 0 to end - 1, or ValueError naming it."""
     cdef int64_t number
@@ -797,6 +815,11 @@ cdef int64_t checked_index(name, value, int64_t end) except -1:
     if not 0 <= number < end:
         raise ValueError(f"{name} must be a whole number from 0 to {end - 1}, not {value!r}")
     return number
+
+
+cdef uint32_t checked_subgoal(subgoal, int n_states) except? 0:
+    """The state that ends a guidance, `NO_STATE` for None."""
+    return NO_STATE if subgoal is None else <uint32_t>checked_index("subgoal", subgoal, n_states)
 
 
 cdef int64_t checked_budget(budget) except -1:

@@ -2,11 +2,14 @@
 # cython: embedsignature=True
 """Draws of skills and arms, compiled because a life has thousands of them and each is a few sums.
 
-What a skill's probability is made of says `ptl.agent.selection`.
+What a skill's probability is made of says `ptl.agent.selection`; arms are those of policy reuse.
 """
 
-from libc.math cimport exp, log
+cimport cython
+from cpython.pycapsule cimport PyCapsule_GetPointer
+from libc.math cimport exp, log, pow
 from libc.stdint cimport int64_t
+from numpy.random cimport bitgen_t
 
 import numpy as np
 
@@ -22,16 +25,6 @@ SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
 
 
-def draw_index(weights, random):
-    """Draw an index with probability proportional to its weight, float (k,), from one uniform number."""
-    cdef const double[::1] given = weights
-    cdef double total = 0.0
-    cdef Py_ssize_t index
-    for index in range(len(given)):
-        total += given[index]
-    return place(given, random.random() * total)
-
-
 cdef Py_ssize_t place(const double[::1] weights, double aim) noexcept:
     """The index at which the sum of the weights passes the aim; the last one also if rounding has made them equal."""
     cdef double passed = 0.0
@@ -41,6 +34,25 @@ cdef Py_ssize_t place(const double[::1] weights, double aim) noexcept:
         if aim < passed:
             return index
     return last
+
+
+@cython.final
+cdef class Uniform:
+    """Uniform numbers from [0, 1): those of ``random.random()``, without the cost of a call if it is numpy's own."""
+
+    cdef object random, capsule
+    cdef bitgen_t* generator
+
+    cdef double next(self, random) except? -1:
+        if random is not self.random:
+            self.random, self.generator = random, NULL
+            if type(random) is np.random.Generator:
+                # the capsule of the class itself: that of a subclass in Python may belong to an object that is gone
+                self.capsule = np.random.BitGenerator.capsule.__get__(random.bit_generator)
+                self.generator = <bitgen_t*>PyCapsule_GetPointer(self.capsule, "BitGenerator")
+        if self.generator == NULL:
+            return random.random()
+        return self.generator.next_double(self.generator.state)
 
 
 cdef class SkillSelection:
@@ -69,13 +81,16 @@ cdef class SkillSelection:
     cdef double _exponent, _weight
     cdef object _prior
     cdef const double[::1] _log_prior
-    cdef double[::1] _measured, _weights
+    cdef double[::1] _measured, _log_measured, _weights
+    cdef Uniform _uniform
     cdef readonly int64_t visits
 
     def __init__(self, prior, double exponent=2.0, double weight=0.5):
         self.prior = prior
         self._exponent, self._weight = exponent, weight
         self._measured, self._weights = np.zeros(len(prior)), np.empty(len(prior))
+        self._log_measured = np.zeros(len(prior))
+        self._uniform = Uniform()
 
     @property
     def prior(self):
@@ -108,12 +123,12 @@ cdef class SkillSelection:
     def draw(self, random):
         """Draw a skill; one uniform number and a few loops over the skills."""
         cdef double total = self.weigh()
-        cdef Py_ssize_t skill = place(self._weights, random.random() * total)
+        cdef Py_ssize_t skill = place(self._weights, self._uniform.next(random) * total)
         self.visits += skill + 1
         return skill
 
-    def record(self, used, length):
-        """Update every skill used in an episode with the episode's length in steps."""
+    def record(self, used, length, at_goal=True):
+        """Update every skill used in an episode with the episode's length in steps, whether or not it was truncated."""
         cdef double new = 1.0 / length
         cdef Py_ssize_t skill
         for skill in set(used):
@@ -123,6 +138,7 @@ cdef class SkillSelection:
                 self._measured[skill] += self._weight * (new - self._measured[skill])
             else:
                 self._measured[skill] = new
+            self._log_measured[skill] = log(self._measured[skill])
 
     cdef double weigh(self) except -1:
         """Write a multiple of each skill's probability, the greatest 1, and return their sum."""
@@ -135,7 +151,7 @@ cdef class SkillSelection:
         # in logarithms, because a large exponent takes the product of prior and likelihood out of range
         for skill in range(number):
             self.visits += 1
-            performance = log(self._measured[skill]) if self._measured[skill] > 0 else of_unused
+            performance = self._log_measured[skill] if self._measured[skill] > 0 else of_unused
             self._weights[skill] = self._log_prior[skill] + self._exponent * performance
             if skill == 0 or self._weights[skill] > greatest:
                 greatest = self._weights[skill]
@@ -143,4 +159,79 @@ cdef class SkillSelection:
             self.visits += 1
             self._weights[skill] = exp(self._weights[skill] - greatest)
             total += self._weights[skill]
+        return total
+
+
+cdef class ArmSelection:
+    """Draws arms by what they have gained (PRQ-learning; source: Fernandez and Veloso, 2006, 2013).
+
+    Arm k is drawn with probability exp(tau W_k) / sum_j exp(tau W_j). W_k is the mean discounted return of the
+    episodes of arm k, 0 before the first.
+
+    Parameters
+    ----------
+    arms : int
+    gamma : float
+        Discount per step.
+    temperature, temperature_step : float
+        tau in the first episode, and its growth after every episode.
+
+    Raises
+    ------
+    ValueError
+        If there is no arm.
+    """
+
+    cdef double _gamma, _temperature, _step
+    cdef double[::1] _gain, _uses, _weights
+    cdef Uniform _uniform
+
+    def __cinit__(self, Py_ssize_t arms, double gamma, double temperature, double temperature_step):
+        if arms < 1:
+            raise ValueError(f"there must be an arm at least, not {arms}")
+        self._gamma, self._temperature, self._step = gamma, temperature, temperature_step
+        self._gain, self._uses, self._weights = np.zeros(arms), np.zeros(arms), np.empty(arms)
+        self._uniform = Uniform()
+
+    @property
+    def gain(self):
+        """W_k, float (arms,)."""
+        return np.array(self._gain)
+
+    @property
+    def uses(self):
+        """Episodes of each arm so far, float (arms,)."""
+        return np.array(self._uses)
+
+    def probabilities(self):
+        """Return the probability of drawing each arm, float (arms,)."""
+        total = self.weigh()
+        return np.array(self._weights) / total
+
+    def draw(self, random):
+        """Draw an arm; one uniform number."""
+        cdef double total = self.weigh()
+        return place(self._weights, self._uniform.next(random) * total)
+
+    def record(self, used, int64_t length, bint at_goal=True):
+        """Update the arm used in an episode with its return, and let tau grow."""
+        cdef Py_ssize_t arm
+        [arm] = used
+        if not 0 <= arm < len(self._gain):
+            raise IndexError(f"there is no arm {arm} among {len(self._gain)}")
+        # the only reward is 1 at the goal, so the return of an episode of m steps is gamma**(m - 1)
+        cdef double discounted = pow(self._gamma, length - 1) if at_goal else 0.0
+        self._gain[arm] = (self._gain[arm] * self._uses[arm] + discounted) / (self._uses[arm] + 1)
+        self._uses[arm] += 1
+        self._temperature += self._step
+
+    cdef double weigh(self) noexcept:
+        """Write a multiple of each arm's probability, the greatest 1, and return their sum."""
+        cdef double greatest = 0.0, total = 0.0
+        cdef Py_ssize_t arm
+        for arm in range(len(self._gain)):
+            greatest = max(greatest, self._gain[arm])
+        for arm in range(len(self._gain)):
+            self._weights[arm] = exp(self._temperature * (self._gain[arm] - greatest))
+            total += self._weights[arm]
         return total

@@ -201,6 +201,10 @@ class ReferenceLearner:
         """Actions taken in this task, uint8 array (n_states,), bit a set if action a was taken in the state."""
         return np.array(self._seen, dtype=np.uint8)
 
+    def values_of(self, state: int) -> tuple[float, ...]:
+        """Return the four action values of a state."""
+        return tuple(self._q[state])
+
     def erased_path(self) -> np.ndarray:
         """Return the loop-erased path of this episode from its start to the present state, int32 array (l + 1,)."""
         return np.array(erase_loops(self.trajectory), dtype=np.int32)
@@ -323,21 +327,25 @@ class ReferenceLearner:
                 added, allowed = (None if table is None else table[here] for table in (bonus, mask))
                 self.act(self.choose(epsilon, bonus=added, mask=allowed))
 
-    def follow(self, policy: Sequence[int] | np.ndarray, subgoal: int, budget: int | None = None) -> None:
+    def follow(
+        self, policy: Sequence[int] | np.ndarray, subgoal: int | None = None, budget: int | None = None
+    ) -> None:
         """Follow a policy until its subgoal, a state where it is undefined, or an end as in `explore`.
 
         Parameters
         ----------
         policy : int array, shape (n_states,)
             Action of each state, -1 where undefined.
-        subgoal : int
+        subgoal : int, optional
         budget : int, optional
         """
         end = self._last_step(budget)
         while self.steps < end and not self.at_goal and self.state != subgoal and policy[self.state] >= 0:
             self.act(int(policy[self.state]))
 
-    def reuse(self, policy: Sequence[int] | np.ndarray, psi: float = 1.0, decay: float = 0.95) -> None:
+    def reuse(
+        self, policy: Sequence[int] | np.ndarray, psi: float = 1.0, decay: float = 0.95, subgoal: int | None = None
+    ) -> None:
         """Reuse a past policy until the goal or the episode's step limit: pi-reuse (Fernandez and Veloso).
 
         In step h the past policy acts with probability psi_h. Otherwise, and where it is undefined (our choice), the
@@ -351,9 +359,11 @@ class ReferenceLearner:
             Action of the past policy in each state, -1 where undefined.
         psi, decay : float
             psi_1, and the factor from psi_h to psi_{h+1}.
+        subgoal : int, optional
+            State at which reuse ends; it then also ends when psi_h is below that resolution.
         """
         while _threshold(psi) > 0:
-            if self.steps >= self._max_steps or self.at_goal:
+            if self.steps >= self._max_steps or self.at_goal or self.state == subgoal:
                 return
             past_action = int(policy[self.state])
             if self._random.half() < _threshold(psi) and past_action >= 0:
@@ -361,7 +371,8 @@ class ReferenceLearner:
             else:
                 self.act(self.choose(psi))
             psi *= decay
-        self.explore(epsilon=0.0)
+        if subgoal is None:
+            self.explore(epsilon=0.0)
 
     def _last_step(self, budget: int | None) -> int:
         """Return the number of steps at which a part of the episode ends."""

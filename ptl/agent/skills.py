@@ -22,11 +22,14 @@ class Skill:
         First action of a shortest path to the subgoal over the seen transitions, -1 where undefined.
     learned_after : int
         Index of the task after which it was added, counted from 0.
+    initiation : bool array, shape (n_states,), or None
+        Initiation set, see `ptl.agent.plan.Leader`.
     """
 
     subgoal: int
     policy: np.ndarray = field(repr=False)
     learned_after: int
+    initiation: np.ndarray | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,13 @@ and of the elimination are our choice.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
+from ptl.agent._paths import frequency_and_distance, last_covered
 from ptl.world.transitions import TransitionGraph, checked_states
 
 
@@ -28,29 +30,34 @@ class FDMetric:
         return self.frequency * self.distance
 
 
-DISTANCE_FORMS: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
-    "tent": lambda j, length: 2.0 * np.minimum(j, length - j) / length,
-    "parabola": lambda j, length: 4.0 * (j * (length - j)) / length**2,
-}
-"""Distance at position j on a path of some length in steps: 0 at both ends, 1 half-way (our choice)."""
+class _Laid(NamedTuple):
+    """Paths one after another: path i is ``states[first[i]:end[i]]``."""
+
+    states: np.ndarray
+    first: np.ndarray
+    end: np.ndarray
+
+
+def _lay(paths: Sequence[np.ndarray], n_states: int) -> _Laid:
+    sizes = np.array([len(path) for path in paths], dtype=np.int64)
+    states = checked_states(np.concatenate(paths) if len(paths) else [], n_states)
+    if states.ndim != 1 or not sizes.all():
+        raise ValueError("a path must be a sequence of one or more states")
+    end = sizes.cumsum()
+    return _Laid(states, end - sizes, end)
 
 
 def fd_metric(paths: Sequence[np.ndarray], n_states: int, form: str = "tent") -> FDMetric:
     """Compute frequency and distance over loop-erased paths (Kretchmar et al.; form of the distance: our choice).
 
-    f(s) is the share of the paths that contain s. d(s) is the mean over those of a form of `DISTANCE_FORMS` at the
-    position of s. A path of no steps counts in f and has distance 0.
+    f(s) is the share of the paths that contain s. d(s) is the mean over those of a form of
+    `ptl.agent._paths.DISTANCE_FORMS` at the position of s. A path of no steps counts in f and has distance 0.
     """
-    if not len(paths):
-        return FDMetric(np.zeros(n_states), np.zeros(n_states))
-    # all paths in one array, because a loop over them takes ten times as long
-    states, sizes = np.concatenate(paths), np.array([len(path) for path in paths])
-    position = np.arange(len(states)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
-    length = np.repeat(np.maximum(sizes - 1, 1), sizes)
-    visits = np.bincount(states, minlength=n_states)
-    total = np.bincount(states, DISTANCE_FORMS[form](position, length), minlength=n_states)
-    distance = np.divide(total, visits, out=np.zeros(n_states), where=visits > 0)
-    return FDMetric(visits / len(paths), distance)
+    return _metric(_lay(paths, n_states), n_states, form)
+
+
+def _metric(paths: _Laid, n_states: int, form: str) -> FDMetric:
+    return FDMetric(*frequency_and_distance(*paths, n_states, form))
 
 
 def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) -> np.ndarray:
@@ -61,8 +68,11 @@ def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) ->
 
 def cut_known(path: np.ndarray, covered: np.ndarray) -> np.ndarray:
     """Return the rest of a path from its last covered state on; the whole path if none is covered."""
-    (known,) = covered[path].nonzero()
-    return path[known[-1] :] if known.size else path
+    return path[_cut(_lay([path], len(covered)), covered).first[0] :]
+
+
+def _cut(paths: _Laid, covered: np.ndarray) -> _Laid:
+    return paths._replace(first=last_covered(*paths, covered.view(np.uint8)))
 
 
 @dataclass(frozen=True)
@@ -125,15 +135,13 @@ def discover(
     ValueError
         If a path is empty, or it or the known states hold something that is not a state of the graph.
     """
-    paths = [checked_states(path, graph.n_states) for path in paths]
-    if any(path.ndim != 1 or not path.size for path in paths):
-        raise ValueError("a path must be a sequence of one or more states")
-    covered = covered_states(graph, known, cover_radius)
-    rests = [cut_known(path, covered) for path in paths]
+    laid = _lay(paths, graph.n_states)
+    rests = _cut(laid, covered_states(graph, known, cover_radius)) if len(known) else laid
+    original = _metric(laid, graph.n_states, form)
     return Discovery(
-        original=fd_metric(paths, graph.n_states, form),
-        incremental=fd_metric(rests, graph.n_states, form),
-        novelty=float(np.mean([len(rest) - 1 for rest in rests])) if rests else 0.0,
+        original=original,
+        incremental=original if rests is laid else _metric(rests, graph.n_states, form),
+        novelty=float((rests.end - rests.first - 1).mean()) if len(paths) else 0.0,
         diameter=graph.diameter(),
         paths=paths,
     )

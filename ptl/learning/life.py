@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
 from ptl import methods
 from ptl.agent import seeding
+from ptl.agent._episodes import run_episodes
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.skills import SkillLibrary, Update
 from ptl.agent.subgoals import Discovery, discover
@@ -122,11 +124,38 @@ def learn_task(
         max_steps=learning.max_steps,
         initial_q=initial_q,
     )
-    steps = np.empty(learning.episodes, dtype=np.int64)
-    truncated = np.empty(learning.episodes, dtype=bool)
+    search = parameters.subgoals
+    if getattr(method.run_episode, "__func__", None) is BaseMethod.run_episode:
+        plan = method.plan()
+        steps, truncated, selected, paths = run_episodes(
+            learner, plan, task.start, learning.episodes, search.trajectories
+        )
+    else:
+        steps, truncated, selected, paths = _run_own_episodes(
+            learner, method, task, learning.episodes, search.trajectories
+        )
+    seen = learner.seen
+    library = method.library
+    graph = TransitionGraph(world.successors, seen)
+    known = library.known_states(task.start, world.successors, search.known) if library is not None else []
+    discovery = discover(paths, graph, known, search.cover_radius, search.distance_form)
+    update = Update(-1, "the method keeps no library")
+    if library is not None:
+        update = library.update(discovery, graph, task_index)
+    method.end_task(learner)
+    size = 0 if library is None else len(library)
+    return TaskRecord(task, learner.q.copy(), seen, steps, truncated, selected, discovery, update, size)
+
+
+def _run_own_episodes(
+    learner: Learner, method: BaseMethod, task: Task, episodes: int, trajectories: int
+) -> tuple[np.ndarray, np.ndarray, list[list[int]], list[np.ndarray]]:
+    """Let a method run its episodes itself; the results are those of `run_episodes`."""
+    steps = np.empty(episodes, dtype=np.int64)
+    truncated = np.empty(episodes, dtype=bool)
     selected = []
     paths: list[np.ndarray] = []
-    for episode in range(learning.episodes):
+    for episode in range(episodes):
         learner.begin_episode(task.start)
         drawn = method.run_episode(learner)
         if learner.episodes != episode + 1:
@@ -142,20 +171,9 @@ def learn_task(
             )
         steps[episode] = learner.steps
         truncated[episode] = learner.truncated
-        if learner.at_goal and len(paths) < parameters.subgoals.trajectories:
+        if learner.at_goal and len(paths) < trajectories:
             paths.append(learner.erased_path())
-
-    library = method.library
-    graph = TransitionGraph(world.successors, learner.seen)
-    search = parameters.subgoals
-    known = library.known_states(task.start, world.successors, search.known) if library is not None else []
-    discovery = discover(paths, graph, known, search.cover_radius, search.distance_form)
-    update = Update(-1, "the method keeps no library")
-    if library is not None:
-        update = library.update(discovery, graph, task_index)
-    method.end_task(learner)
-    size = 0 if library is None else len(library)
-    return TaskRecord(task, learner.q.copy(), learner.seen, steps, truncated, selected, discovery, update, size)
+    return steps, truncated, selected, paths
 
 
 def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
@@ -191,7 +209,7 @@ def learn_life(
     """
     names = (methods.identifier(method), *stream_names)
     make = methods.load(method) if isinstance(method, str) else method
-    dynamics = Dynamics(world.successors)
+    dynamics = _dynamics(world)
     agent = make(world, parameters, seeding.generator(root_seed, *names, "choices"))
     records = [
         learn_task(
@@ -200,3 +218,8 @@ def learn_life(
         for index, task in enumerate(tasks)
     ]
     return Life(records, agent.library)
+
+
+@lru_cache(maxsize=8)  # the lives on one map follow each other
+def _dynamics(world: GridWorld) -> Dynamics:
+    return Dynamics(world.successors)

@@ -18,6 +18,7 @@ import hashlib
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
+from functools import cache
 from importlib import import_module
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -40,7 +41,12 @@ Maker: TypeAlias = Callable[[GridWorld, Parameters, np.random.Generator], BaseMe
 
 def names() -> list[str]:
     """Return the identifiers of the built-in methods, in alphabetical order."""
-    return sorted(path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_"))
+    return list(_names())
+
+
+@cache
+def _names() -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in Path(__file__).parent.glob("*.py") if not path.stem.startswith("_")))
 
 
 def load(reference: str) -> type[BaseMethod]:

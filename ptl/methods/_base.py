@@ -1,4 +1,4 @@
-"""The interface of a method: three calls around the episodes of a task."""
+"""The interface of a method: what it does before, in and after the episodes of a task."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from ptl.agent.plan import Plan
 from ptl.agent.skills import SkillLibrary
 from ptl.config import Parameters
 from ptl.world.gridworld import GridWorld
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 
 class BaseMethod:
     """One learner's life under one method; the state that passes from task to task lives in the instance.
+
+    A method says what it does in an episode in one of two ways: it describes it by `plan`, and the loop over episodes
+    is compiled, or it runs it by `run_episode`, in Python.
 
     Parameters
     ----------
@@ -48,9 +52,13 @@ class BaseMethod:
         """Prepare for a new task; return initial action values (n_states, 4), or None for zero."""
         return None
 
-    def run_episode(self, learner: Learner) -> list[int]:
-        """Bring the agent from the start to the goal; return the skills or arms drawn, in order."""
+    def plan(self) -> Plan:
+        """Return what to do in each episode of the task that has begun."""
         raise NotImplementedError
+
+    def run_episode(self, learner: Learner) -> list[int]:
+        """Bring the agent from the start to the goal, by the plan; return the skills or arms drawn, in order."""
+        return self.plan().run(learner)
 
     def end_task(self, learner: Learner) -> None:
         """Keep what later tasks need, such as the final ``learner.q`` and what was ``learner.seen``."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ptl.agent._kernel import Learner
+from ptl.agent.plan import Plan
 from ptl.config import Parameters
 from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
@@ -23,9 +24,8 @@ class Method(BaseMethod):
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         return self._previous_q
 
-    def run_episode(self, learner: Learner) -> list[int]:
-        learner.explore()
-        return []
+    def plan(self) -> Plan:
+        return Plan()
 
     def end_task(self, learner: Learner) -> None:
         self._previous_q = learner.q

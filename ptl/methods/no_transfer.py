@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ptl.agent._kernel import Learner
+from ptl.agent.plan import Plan
 from ptl.methods._base import BaseMethod
 
 
@@ -12,6 +12,5 @@ class Method(BaseMethod):
     label = "No transfer"
     colour = "#6b6b6b"
 
-    def run_episode(self, learner: Learner) -> list[int]:
-        learner.explore()
-        return []
+    def plan(self) -> Plan:
+        return Plan()

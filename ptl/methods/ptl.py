@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ptl.agent import finders
-from ptl.agent._kernel import Learner
 from ptl.agent._selection import SkillSelection
+from ptl.agent.plan import Leader, Plan
 from ptl.agent.selection import prior
 from ptl.agent.skills import SkillLibrary
 from ptl.config import Parameters
@@ -49,22 +49,16 @@ class Method(BaseMethod):
         self.selection = SkillSelection(self.prior(goal), skills.likelihood_exponent, skills.likelihood_weight)
         return None
 
-    def run_episode(self, learner: Learner) -> list[int]:
+    def plan(self) -> Plan:
         skills = self.parameters.skills
         reselect = skills.skill_use == "reselect"
-        patience = skills.patience * self.world.n_states
-        used = []
-        while True:
-            skill = self.draw_skill()
-            used.append(skill)
-            if skill != NULL_SKILL:
-                self.guide(learner, skill)
-            learner.explore(budget=max(1, round(patience)) if reselect else None)
-            if learner.at_goal or learner.truncated:
-                break
-            patience *= skills.patience_growth
-        self.selection.record(used, learner.steps)
-        return used
+        return Plan(
+            draw=self.draw_skill,
+            guide=self.guide,
+            patience=skills.patience * self.world.n_states if reselect else None,
+            growth=skills.patience_growth,
+            note=self.selection.record,
+        )
 
     def allowed(self, number: int) -> np.ndarray:
         """Return which of so many candidates may be drawn, as `allowed_candidates`."""
@@ -76,10 +70,9 @@ class Method(BaseMethod):
         allowed = self.allowed(len(self.candidates))
         return prior(world.cells, self.candidates, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
 
-    def guide(self, learner: Learner, skill: int) -> None:
-        """Follow a candidate other than the null skill."""
-        guide = self.library.skills[skill - 1]
-        learner.follow(guide.policy, guide.subgoal)
+    def guide(self, skill: int) -> Leader | None:
+        """Return what leads when a candidate has been drawn, None for the null skill."""
+        return None if skill == NULL_SKILL else self.library.skills[skill - 1]
 
     def draw_skill(self) -> int:
         """Draw the candidate to use next."""

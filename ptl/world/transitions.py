@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ptl.world._graph import breadth_first
+from ptl.world._graph import breadth_first, compressed_rows, diameter, first_steps
 
 N_ACTIONS = 4
 
@@ -44,28 +44,24 @@ class TransitionGraph:
         if seen is None:
             self.known = np.ones(self.successors.shape, dtype=bool)
         else:
-            self.known = (seen[:, None] >> np.arange(N_ACTIONS) & 1).astype(bool)
-        states, actions = np.nonzero(self.known)
-        self._origin = states.astype(np.int32)
-        self._target = self.successors[states, actions]
+            self.known = np.unpackbits(seen[:, None], axis=1, count=N_ACTIONS, bitorder="little").view(bool)
 
     @property
     def visited(self) -> np.ndarray:
         """States at either end of a transition, in increasing order."""
-        return np.union1d(self._origin, self._target)
+        states, actions = np.nonzero(self.known)
+        return np.union1d(states, self.successors[states, actions])
 
     @cached_property
     def _forward(self) -> tuple[np.ndarray, np.ndarray]:
-        return _compressed_rows(self._origin, self._target, self.n_states)
+        return self._rows(forward=True)
 
     @cached_property
     def _backward(self) -> tuple[np.ndarray, np.ndarray]:
-        return _compressed_rows(self._target, self._origin, self.n_states)
+        return self._rows(backward=True)
 
-    @cached_property
-    def _both_ways(self) -> tuple[np.ndarray, np.ndarray]:
-        ends = np.concatenate([self._origin, self._target])
-        return _compressed_rows(ends, np.concatenate([self._target, self._origin]), self.n_states)
+    def _rows(self, forward: bool = False, backward: bool = False) -> tuple[np.ndarray, np.ndarray]:
+        return compressed_rows(self.successors, self.known.view(np.uint8), forward, backward)
 
     def steps_from(self, sources: ArrayLike | Sequence[int]) -> np.ndarray:
         """Return the steps from the nearest of some states to every state, int32 (n_states,), -1 if no path leads."""
@@ -80,45 +76,8 @@ class TransitionGraph:
 
         Among several the first in the order north, south, west, east.
         """
-        steps = self.steps_to(target)
-        closer = self.known & (steps[self.successors] == steps[:, None] - 1) & (steps[:, None] > 0)
-        return np.where(closer.any(axis=1), closer.argmax(axis=1), -1).astype(np.int8)
+        return first_steps(self.successors, self.known.view(np.uint8), self.steps_to(target))
 
     def diameter(self) -> int:
-        """Return the longest shortest path in steps between connected states, transitions taken in both directions.
-
-        Exact, by bounding the eccentricities from few searches (Takes and Kosters, 2011) instead of one from each
-        state: d(v, w) <= ecc(w) <= ecc(v) + d(v, w) and ecc(w) >= ecc(v) - d(v, w).
-        """
-        connected = np.zeros(self.n_states, dtype=bool)
-        connected[self._origin] = connected[self._target] = True
-        longest = 0
-        while connected.any():
-            component = breadth_first(*self._both_ways, np.flatnonzero(connected)[:1].astype(np.int32)) >= 0
-            longest = max(longest, self._component_diameter(np.flatnonzero(component)))
-            connected &= ~component
-        return longest
-
-    def _component_diameter(self, states: np.ndarray) -> int:
-        lower = np.zeros(len(states), dtype=np.int64)
-        upper = np.full(len(states), np.iinfo(np.int64).max)
-        open_ = np.ones(len(states), dtype=bool)
-        take_highest = True
-        while open_.any():
-            # In turn a state that may be far out (raises the lower bound) and one that is central (lowers the upper).
-            candidates = np.flatnonzero(open_)
-            pick = candidates[upper[candidates].argmax() if take_highest else lower[candidates].argmin()]
-            take_highest = not take_highest
-            steps = breadth_first(*self._both_ways, states[[pick]].astype(np.int32))[states]
-            eccentricity = steps.max()
-            lower = np.maximum(lower, np.maximum(steps, eccentricity - steps))
-            upper = np.minimum(upper, eccentricity + steps)
-            upper[pick] = eccentricity
-            open_ &= (upper > lower.max()) & (lower < upper)
-        return int(lower.max())
-
-
-def _compressed_rows(origin: np.ndarray, target: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
-    first = np.zeros(n + 1, dtype=np.int32)
-    np.cumsum(np.bincount(origin, minlength=n), out=first[1:])
-    return first, target[np.argsort(origin, kind="stable")]
+        """Return the longest shortest path in steps between connected states, transitions taken in both directions."""
+        return diameter(self.successors, self.known.view(np.uint8))

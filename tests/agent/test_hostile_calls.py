@@ -13,10 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ptl.agent._episodes import run_episodes
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent._paths import frequency_and_distance, last_covered
+from ptl.agent.plan import Guide, Mixing, Plan
 from ptl.agent.selection import prior
 from ptl.agent.subgoals import discover
 from ptl.learning._survey import subgoals_from
+from ptl.world import _graph
 from ptl.world._graph import breadth_first
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
@@ -196,6 +200,41 @@ def test_objects_are_made_whole_or_not_at_all(record_property):
     record_property("hostile calls of compiled code", CALLS)
 
 
+def test_a_plan_hands_nothing_unchecked_to_the_loop(record_property):
+    hostile = Hostile(15)
+    refused = 0
+    calls = CALLS // 3
+    for _ in range(calls):
+        agent = learner_of(hostile)
+        others = list(learner_calls(hostile).values())
+
+        def draw(agent=agent, others=others) -> Any:
+            if hostile.random.random() < 0.2:  # a method may move the agent wherever it is asked
+                hostile.one_of(*others)(agent)
+            return hostile.one_of(0, 1, 1, hostile.number(2))
+
+        def guide(_: int) -> Any:
+            policy = hostile.array(N, low=-1, high=4, dtype=np.int8)
+            states = hostile.one_of(None, None, hostile.array(N, high=2, dtype=bool))
+            return hostile.one_of(None, Guide(policy, hostile.one_of(None, hostile.number()), states), hostile.number())
+
+        try:
+            mixing = hostile.one_of(None, None, Mixing(hostile.share(), hostile.share()))
+            plan = Plan(
+                draw, guide, mixing=mixing, epsilon=hostile.one_of(None, hostile.share()),
+                patience=hostile.one_of(None, 7.0, hostile.share()), growth=hostile.one_of(1.0, 2.0, hostile.number()),
+            )  # fmt: skip
+            steps, _, drawn, _ = run_episodes(
+                agent, plan, hostile.number(), hostile.one_of(5, 5, 5, 0, -1, "3"), hostile.number(5)
+            )
+            assert len(steps) == len(drawn)
+        except (*REFUSALS, AttributeError):
+            refused += 1
+        assert 0 <= agent.state < N and np.isfinite(agent.q).all() and (agent.seen < 16).all()
+    assert calls / 10 < refused < calls
+    record_property("hostile calls of compiled code", calls)
+
+
 def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
     """Return calls of the graph search and of what hands states to it."""
     rows = lambda: hostile.array(N + 1, high=N, dtype=np.int32)  # noqa: E731
@@ -203,10 +242,25 @@ def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
     graph = lambda: TransitionGraph(  # noqa: E731
         hostile.array(N, 4), hostile.one_of(None, hostile.array(N, high=16, dtype=np.uint8))
     )
+    places = lambda: hostile.array(2, high=6, dtype=np.int64)  # noqa: E731
+    known = lambda: hostile.array(N, 4, high=2, dtype=np.uint8)  # noqa: E731
+    moves = lambda: hostile.array(N, 4, dtype=np.int32)  # noqa: E731
+    flags = lambda: hostile.array(N, high=2, dtype=np.uint8)  # noqa: E731
     paths = lambda: [hostile.array(5) for _ in range(hostile.random.integers(3))]  # noqa: E731
     return [
         lambda: breadth_first(np.sort(rows()), ends(), hostile.array(2, dtype=np.int32)),
         lambda: breadth_first(rows(), ends(), hostile.array(2, dtype=np.int32)),
+        lambda: _graph.compressed_rows(moves(), known(), hostile.one_of(True, False), hostile.one_of(True, False)),
+        lambda: _graph.first_steps(moves(), known(), hostile.array(N, low=-1, dtype=np.int32)),
+        lambda: _graph.diameter(moves(), known()),
+        lambda: last_covered(hostile.array(6, dtype=np.int32), np.sort(places()), places(), flags()),
+        lambda: frequency_and_distance(
+            hostile.array(6, dtype=np.int32),
+            np.sort(places()),
+            places(),
+            hostile.one_of(N, N, -1),
+            hostile.one_of("tent", 3),
+        ),
         lambda: graph().steps_from(hostile.one_of(hostile.array(2), [hostile.number()])),
         lambda: graph().steps_to(hostile.number()),
         lambda: graph().shortest_path_policy(hostile.number()),

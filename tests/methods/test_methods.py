@@ -102,7 +102,7 @@ def test_policy_reuse_gains_nothing_from_a_truncated_episode():
     learner = NotingLearner(explorations=2)
     learner.truncated = True
     method.run_episode(learner)
-    assert method._gain[0] == 0 and method._uses[0] == 1
+    assert method.selection.gain.tolist() == [0] and method.selection.uses.tolist() == [1]
 
 
 def test_ptl_draws_again_with_doubled_patience():

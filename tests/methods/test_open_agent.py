@@ -88,7 +88,8 @@ def test_what_is_no_state_is_refused_everywhere(wrong):
         lambda: learner.update(wrong, 0, 0.5),
         lambda: learner.value(wrong, 0),
         lambda: learner.values_of(wrong),
-        lambda: learner.follow([3, 3, 3], wrong),
+        lambda: learner.follow([3, 3, 3], -1 if wrong is None else wrong),  # None is no subgoal
+        lambda: learner.reuse([3, 3, 3], subgoal=-1 if wrong is None else wrong),
         lambda: Learner(learner.dynamics, wrong, np.random.SFC64(1)),
     ):
         with pytest.raises(ValueError, match="must be a whole number from 0 to 2"):

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ptl.agent._kernel import Learner
+from ptl.agent.plan import Guide, Leader
 from ptl.agent.skills import SkillLibrary, Update
 from ptl.agent.subgoals import Discovery
 from ptl.config import Parameters
+from ptl.methods.ptl import NULL_SKILL
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
@@ -54,14 +56,14 @@ class Method(PartialTransfer):
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         self.graph = TransitionGraph(self.world.successors, self.seen)
-        self._policies: dict[int, np.ndarray] = {}
+        self._guides: dict[int, Guide] = {}
         return super().begin_task(start, goal)
 
-    def guide(self, learner: Learner, skill: int) -> None:
+    def guide(self, skill: int) -> Leader | None:
         subgoal = self.candidates[skill]
-        if subgoal not in self._policies:
-            self._policies[subgoal] = self.graph.shortest_path_policy(subgoal)
-        learner.follow(self._policies[subgoal], subgoal)
+        if skill != NULL_SKILL and subgoal not in self._guides:
+            self._guides[subgoal] = Guide(self.graph.shortest_path_policy(subgoal), subgoal)
+        return None if skill == NULL_SKILL else self._guides[subgoal]
 
     def end_task(self, learner: Learner) -> None:
         self.seen |= learner.seen

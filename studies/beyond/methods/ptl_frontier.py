@@ -7,6 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ptl.agent._kernel import Learner
+from ptl.agent.plan import Guide, Leader
 from ptl.agent.selection import prior, prior_of_distances
 from ptl.config import Parameters
 from ptl.methods.ptl import NULL_SKILL
@@ -43,7 +44,7 @@ class Method(PartialTransfer):
         super().__init__(world, parameters, random)
         self.seen_before = np.zeros(world.n_states, dtype=np.uint8)
         self.frontier: int
-        self._policy: np.ndarray | None = None
+        self._to_frontier: Guide | None = None
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         self.start, self.goal = start, goal
@@ -61,13 +62,12 @@ class Method(PartialTransfer):
             self.selection.prior = self.prior(self.goal)
         return super().draw_skill()
 
-    def guide(self, learner: Learner, skill: int) -> None:
+    def guide(self, skill: int) -> Leader | None:
         if skill <= len(self.library):
-            super().guide(learner, skill)
-            return
-        if self._policy is None:
-            self._policy = self.graph.shortest_path_policy(self.frontier)
-        learner.follow(self._policy, self.frontier)
+            return super().guide(skill)
+        if self._to_frontier is None:
+            self._to_frontier = Guide(self.graph.shortest_path_policy(self.frontier), self.frontier)
+        return self._to_frontier
 
     def end_task(self, learner: Learner) -> None:
         self.seen_before |= learner.seen
@@ -85,7 +85,7 @@ class Method(PartialTransfer):
 
     def _look(self, seen: np.ndarray) -> None:
         """Find the frontier state anew from the actions seen in each state, uint8 (n_states,)."""
-        self._seen, self._policy = seen, None
+        self._seen, self._to_frontier = seen, None
         self.graph = TransitionGraph(self.world.successors, seen)
         self.frontier = self._frontier_state(seen)
 

@@ -8,6 +8,7 @@ from mazes import random_world
 
 from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
+from ptl.agent.plan import Leader
 from ptl.agent.skills import Skill
 from ptl.config import Parameters
 from ptl.files import store
@@ -140,6 +141,10 @@ def test_maxqinit_by_hand():
 # -- libraries
 
 
+def follow(learner: Learner, guide: Leader | None) -> None:
+    learner.follow(guide.policy, guide.subgoal)
+
+
 def test_a_skill_to_every_state_is_a_shortest_path():
     method = make("all_goals", RING)
     method.begin_task(RING.start, RING.goal("A"))
@@ -155,7 +160,7 @@ def test_a_skill_to_every_state_is_a_shortest_path():
     assert method.candidates == [RING.start, *range(RING.n_states)] and len(method.library) == RING.n_states
     for subgoal in (5, 8):
         learner.begin_episode(RING.start)
-        method.guide(learner, 1 + subgoal)
+        follow(learner, method.guide(1 + subgoal))
         assert (learner.state, learner.steps) == (subgoal, graph.steps_to(subgoal)[RING.start])
 
 
@@ -203,7 +208,7 @@ def test_drawing_the_frontier_follows_what_was_seen():
     learner = Learner(Dynamics(LINE.successors), LINE.goal("A"), np.random.SFC64(1))
     learner.begin_episode(LINE.start)
     method._learner = learner
-    method.guide(learner, 1)
+    follow(learner, method.guide(1))
     assert (learner.state, learner.steps) == (5, 3)
     learner.act(EAST)
     method.draw_skill()
