@@ -91,7 +91,8 @@ def test_commands_that_are_named_exist(page: str) -> None:
         known = set(commands.list_commands(context))
     for name in re.findall(r"(?:^\s*\$? ?|`)ptl ([a-z][a-z-]+)", text, re.MULTILINE):
         assert name in known, f"{page}: there is no command 'ptl {name}'"
-    targets = re.findall(r"^([a-z-]+):", text_of("Makefile"), re.MULTILINE)
+    makefiles = ["Makefile", *(path.relative_to(ROOT).as_posix() for path in ROOT.glob("studies/*/study.mk"))]
+    targets = re.findall(r"^([a-z-]+)(?: [a-z-]+)*:", "\n".join(map(text_of, makefiles)), re.MULTILINE)
     for name in re.findall(r"(?:^\s*\$ |`)make ([a-z-]+)", text, re.MULTILINE):
         assert name in targets, f"{page}: there is no command 'make {name}'"
 
