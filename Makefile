@@ -21,7 +21,7 @@ export PATH := $(CURDIR)/.venv/bin:$(PATH)
 export PIP_DISABLE_PIP_VERSION_CHECK = 1
 
 .DELETE_ON_ERROR:
-.PHONY: help reproduce smoke report benchmark reliability test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
+.PHONY: help reproduce smoke report benchmark test test-slow test-browser test-exhaustive test-slurm test-sanitizers test-all lint format docs build test-tools benchmark-tools clean lock FORCE
 
 help:  ## Show this list.
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -46,9 +46,6 @@ report: build  ## The page reports/published/report.html from what is there.
 benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of cost on this machine: reports/published/benchmark.md (15 minutes).
 	.venv/bin/python -m pytest -q benchmarks -m "not slow"
 	.venv/bin/python -m benchmarks
-
-reliability: test-tools build  ## Try faults, rubbish and other surroundings: the figures in docs/reliability.md.
-	.venv/bin/python tests/reliability.py $(if $(shell command -v slurmctld),--slurm)
 
 test: test-tools build  ## The quick test suite.
 	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
