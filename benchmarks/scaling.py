@@ -38,7 +38,7 @@ Costs = Iterator[tuple[str, float]]
 
 
 @dataclass(frozen=True)
-class Plan:
+class Sizes:
     """Sizes to measure, and how much of the larger work is timed.
 
     Attributes
@@ -64,7 +64,7 @@ class Plan:
     lives: int = 30_000
 
 
-QUICK = Plan((60, 120), (1, 5), (2, 4), 100, 20_000, 1, 1, 1)
+QUICK = Sizes((60, 120), (1, 5), (2, 4), 100, 20_000, 1, 1, 1)
 
 FITTED_FROM = {"states": 900, "skills": 100, "tasks": 10}
 """Exponents are fitted to sizes from these on; below them constant costs hide the growth."""
@@ -80,7 +80,7 @@ PANELS = {
 """Panels of the figure: the size along which cost grows, and the quantities."""
 
 
-def measure(plan: Plan, say: Callable[[str], None] = lambda _: None) -> pd.DataFrame:
+def measure(plan: Sizes, say: Callable[[str], None] = lambda _: None) -> pd.DataFrame:
     """Make all measurements of a plan.
 
     Returns
@@ -126,7 +126,7 @@ def least_seconds(work: Callable[[], Any], repeats: int = 3, calls: int = 1) -> 
     return min(seconds)
 
 
-def by_states(world: GridWorld, plan: Plan) -> Costs:
+def by_states(world: GridWorld, plan: Sizes) -> Costs:
     """Yield what a map costs: reading, tables, a step, discovery, figure 8's survey and a life.
 
     A survey is timed on a sample of all pairs and scaled up; the relative standard error comes from the sample.

@@ -15,8 +15,8 @@ import numpy as np
 if TYPE_CHECKING:
     from ptl.agent._kernel import Learner
 
-LONGEST_PATIENCE = 1e18
-"""Steps that no episode takes; a patience that grows beyond counts as this."""
+MAX_PATIENCE = 1e18
+"""Maximum patience in steps, more than any episode takes; a patience that grows further is cut to it."""
 
 
 class Leader(Protocol):
@@ -107,7 +107,7 @@ class Plan:
             if self.draw is not None:
                 drawn.append(self.draw())
                 guide = None if self.guide is None else self.guide(drawn[-1])
-            budget = None if patience is None else max(1, round(min(patience, LONGEST_PATIENCE)))
+            budget = None if patience is None else max(1, round(min(patience, MAX_PATIENCE)))
             if guide is not None:
                 self._lead(learner, guide)
                 if guide.initiation is not None:

@@ -49,7 +49,7 @@ class SkillLibrary:
     novelty : float
         rho: the unknown rest of the paths must be at least this share of the diameter of the visited part.
     threshold : float
-        theta: least value of the greatest incremental metric.
+        theta: minimum value of the greatest incremental metric.
     finder : function
         Scores the states, see `ptl.agent.finders`.
     """

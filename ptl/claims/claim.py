@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ptl.claims.evidence import Evidence, Lacking
+from ptl.claims.evidence import Evidence, MissingEvidence
 from ptl.claims.verdict import Part, Verdict, decide
 
 Check = Callable[[Evidence], Iterator[Part | str]]
@@ -35,7 +35,7 @@ class Claim:
         """Return the verdict on the claim; it is undecided if the evidence lacks something."""
         try:
             found = list(self.check(evidence))
-        except Lacking as lack:
+        except MissingEvidence as lack:
             return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
         parts = tuple(item for item in found if isinstance(item, Part) and not item.plain)
         plain = tuple(item for item in found if isinstance(item, Part) and item.plain)

@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ptl.claims.evidence import Evidence, Lacking
-from ptl.claims.thresholds import FAR, MOST
+from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.thresholds import FAR, MAJORITY
 from ptl.claims.verdict import Part, above, below
 from ptl.measures import statistics
 from ptl.measures.measures import BASE, BY_NAME, MEASURES
@@ -152,7 +152,7 @@ def improves_together(evidence: Evidence, environment: str, method: str, measure
         return above(f"{text}, probability of being quicker", estimate, 0.5)
     pairs = [evidence.pair((environment, task, method), (environment, task, BASE), metric) for task in TRANSFER_TASKS]
     if len({len(own) for own, _ in pairs}) > 1:
-        raise Lacking(f"{environment}: the tasks of method {method} have different seeds")
+        raise MissingEvidence(f"{environment}: the tasks of method {method} have different seeds")
     own, base = np.sum(pairs, axis=0)
     generator = named_generator(environment, "together", method, measure)
     if chosen.unit != "steps":
@@ -178,7 +178,7 @@ def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task:
 
 def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
     """Return the part that claims that most runs are hits."""
-    return above(f"{text}, share of runs", share(evidence, hits), MOST)
+    return above(f"{text}, share of runs", share(evidence, hits), MAJORITY)
 
 
 def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
@@ -203,7 +203,7 @@ def elsewhere(
     for method, task in cases:
         try:
             own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
-        except Lacking:
+        except MissingEvidence:
             continue
         found.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
     if found:

@@ -38,7 +38,7 @@ def command(
 
     RUN is the name of a run or a metrics.csv; left out, the run of this folder, or the published one of several.
     """
-    from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+    from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
     path = _path_of(run)
     metrics = _estimates(path)
@@ -54,7 +54,7 @@ def command(
         first = metrics.loc[metrics["environment"] == place, "task"].iloc[0]
         note = ": nothing to transfer yet" if letter == first else ""
         seeds = int(part["seeds"].max())
-        shown = "mean [interval]" if seeds >= FEWEST_FOR_INTERVAL else "mean"
+        shown = "mean [interval]" if seeds >= MIN_FOR_INTERVAL else "mean"
         click.echo(f"{place}, task {letter}{note} ({seeds} seed{'s' if seeds > 1 else ''}: {shown})")
         width = shutil.get_terminal_size().columns
         click.echo("\n".join(_laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")

@@ -127,7 +127,9 @@ def register(kind: Kind) -> Kind:
     return kind
 
 
-class _Tagged(msgspec.Struct):
+class Tagged(msgspec.Struct):
+    """The kind of a job of any kind; its other keys are ignored."""
+
     kind: str
 
 
@@ -140,7 +142,7 @@ def from_text(text: str | bytes) -> Job:
         If it is no JSON, of an unknown kind, or a value is not allowed.
     """
     try:
-        name = msgspec.json.decode(text, type=_Tagged).kind
+        name = msgspec.json.decode(text, type=Tagged).kind
         if name not in KINDS:
             raise UserError(f"job of the kind {name!r:.60}: is not one of {', '.join(KINDS)}")
         return msgspec.json.decode(text, type=KINDS[name])

@@ -12,7 +12,7 @@ from ptl.errors import UserError
 
 BLOCK = 2**20
 MAX_BYTES = 2**31
-"""Most bytes of a file that is read whole."""
+"""Maximum size in bytes of a file that is read whole."""
 
 
 class NotReadable(UserError):

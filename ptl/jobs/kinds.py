@@ -8,18 +8,14 @@ from types import ModuleType
 import msgspec
 
 import ptl.jobs  # noqa: F401 - registers its kinds
-from ptl.files.job import KINDS, Job, from_text, lines_of
+from ptl.files.job import KINDS, Job, Tagged, from_text, lines_of
 from ptl.files.provenance import ROOT
-
-
-class _Tagged(msgspec.Struct):
-    kind: str = ""
 
 
 def job_from(text: str | bytes) -> Job:
     """Return the job that a text describes; errors as in `ptl.files.job.from_text`."""
     try:
-        known = msgspec.json.decode(text, type=_Tagged).kind in KINDS
+        known = msgspec.json.decode(text, type=Tagged).kind in KINDS
     except msgspec.MsgspecError:
         known = True  # `from_text` says what is wrong
     if not known:

@@ -77,7 +77,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         """Learn the tasks."""
         world, kind = worlds[self.environment], configured(self.reference, self.own)
         tasks = watch(tasks_of(world, self.tasks))
-        with methods.blamed(self.reference):
+        with methods.reporting_errors_of(self.reference):
             life = learn_life(world, tasks, kind, self.settings, self.root_seed, self.environment, self.seed)
         arrays: dict[str, np.ndarray] = {}
         for record in life.records:

@@ -5,7 +5,7 @@ scipy resamples; this module chooses the samples and decides when there is no in
 * Intervals of means and ratios are bias-corrected and accelerated (BCa), because step counts are strongly
   skewed. Where BCa is undefined (the estimate is at the edge of its bootstrap distribution) the percentile
   interval of the same resamples is taken. Equal values give an interval of no width; fewer values than
-  `FEWEST_FOR_INTERVAL` give none (NaN).
+  `MIN_FOR_INTERVAL` give none (NaN).
 * A comparison with the base is paired by seed where it is a difference or a ratio; the probability of
   improvement compares all cross pairs, as rliable does (Agarwal et al., NeurIPS 2021), and has a percentile
   interval.
@@ -28,7 +28,7 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.measures.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_COLUMNS, Better, Measure
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
 VALUES_AT_ONCE = 2**17
 """Resampled values that are held at a time: they stay in the processor's cache, and memory is small."""
@@ -152,7 +152,7 @@ def share(count: int, total: int, how: Resampling) -> Estimate:
     """Return ``count / total`` with its Wilson interval."""
     if total == 0:
         return UNDEFINED
-    if total < FEWEST_FOR_INTERVAL:
+    if total < MIN_FOR_INTERVAL:
         return Estimate(count / total, np.nan, np.nan)
     interval = stats.binomtest(count, total).proportion_ci(how.confidence, method="wilson")
     return Estimate(count / total, float(interval.low), float(interval.high))
@@ -204,7 +204,7 @@ def _bootstrap(
     if smallest == 0:
         return UNDEFINED
     value = float(statistic(*samples))
-    if smallest < FEWEST_FOR_INTERVAL:
+    if smallest < MIN_FOR_INTERVAL:
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)

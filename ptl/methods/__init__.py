@@ -147,8 +147,8 @@ def fault(error: BaseException, method: str | Maker) -> UserError:
 
 
 @contextmanager
-def blamed(method: str | Maker) -> Iterator[None]:
-    """Turn whatever fails in a block that runs a method from elsewhere into one line that names the method."""
+def reporting_errors_of(method: str | Maker) -> Iterator[None]:
+    """Report any failure of a user's method in this block as a one-line `UserError` that names the method."""
     try:
         yield
     except UserError:

@@ -81,7 +81,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         kind = variant(self.reference, self.per_task)
         names = (self.family, self.size, self.sequence)
         made = ((self._name(place), self._world(place, worlds)) for place in watch(self.places))
-        with methods.blamed(self.reference):
+        with methods.reporting_errors_of(self.reference):
             return lives_on_maps(made, self.tasks, kind, self.settings, self.root_seed, self.seeds, *names)
 
     def sizes(self, worlds: Worlds) -> dict[str, int]:

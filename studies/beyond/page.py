@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ptl import methods
-from ptl.report.table import Cell, Column, Group, Row, Table, text_table
+from ptl.report.table import Cell, Column, Row, RowGroup, Table, text_table
 from ptl.report.templating import render
 from ptl.text import MISSING, interval, number, percent
 from studies.beyond import methods as our_methods
@@ -304,7 +304,7 @@ def wide_table(
             detail = interval(row[limits[0]], row[limits[1]]) if limits else ""
             cells.append(Cell(number(float(row[value])), detail, best=best and row[value] == lowest[name]))
         rows.append(Row(look.label, cells, look.colour))
-    return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [Group(rows)], notes)
+    return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [RowGroup(rows)], notes)
 
 
 def knowledge_table(looks: Mapping[str, Look]) -> Table:

@@ -12,7 +12,7 @@ import pandas as pd
 from ptl import claims
 from ptl.claims import comparisons
 from ptl.claims.claim import Judgement
-from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence import Evidence, MissingEvidence, settings_of
 from ptl.claims.verdict import Outcome
 from ptl.files.store import Result
 from ptl.measures.measures import BASE, Runs, measure, runs_of
@@ -181,7 +181,7 @@ def target_frame(setting: SettingEvidence) -> pd.DataFrame:
                 names = (target.environment, letter, method)
                 try:
                     numbers = _target_numbers(setting.evidence, *names)
-                except Lacking:
+                except MissingEvidence:
                     continue  # the status of the setting says why
                 rows.append(
                     {"claim": target.claim, "setting": setting.name, "group": setting.group,

@@ -26,7 +26,7 @@ from projects import FIRST_MAPS
 
 from ptl import claims
 from ptl.claims import places, thresholds
-from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence import Evidence, MissingEvidence, settings_of
 from ptl.claims.evidence_files import read_evidence
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
@@ -440,9 +440,9 @@ def test_one_step_from_a_doorway_counts_as_on_it(env1):
 
 
 def test_places_of_another_map_are_refused(env1):
-    with pytest.raises(Lacking, match="21 by 24"):
+    with pytest.raises(MissingEvidence, match="21 by 24"):
         places.rectangle(env1, (1, 2), (1, 2), (21, 24))
-    with pytest.raises(Lacking, match="no doorway"):
+    with pytest.raises(MissingEvidence, match="no doorway"):
         places.doorways(GridWorld.from_text("I.A\n...\n"))
 
 

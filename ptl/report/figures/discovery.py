@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 METRICS = ("original", "incremental")
-NARROWEST, LOWEST = 2.3, 3.2
-"""Inches: least width of a panel (for its title) and least height of all (for the colour bar's label)."""
+MIN_PANEL_WIDTH, MIN_HEIGHT = 2.3, 3.2
+"""Minimum width of a panel (for its title) and height of all (for the label of the colour bar), in inches."""
 RING = (6.0, 19.0)
 """Diameter in points of a ring for one seed and for all seeds."""
 
@@ -108,7 +108,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
     sides = {shape: _cell_side(world, *shape) for shape in (by_row, by_column)}
     shape = max(sides, key=lambda shape: sides[shape])
     side = sides[shape]
-    room = rows, columns = cells.roomy(world, side, NARROWEST, LOWEST / shape[0])
+    room = rows, columns = cells.roomy(world, side, MIN_PANEL_WIDTH, MIN_HEIGHT / shape[0])
     width = shape[1] * (side * columns + 0.25) + 1.5
     height = shape[0] * (side * rows + 0.45) + 1.35
     figure = style.new_figure(max(width, 8.5), height, compress=True)

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ptl.measures.growth import TwoSlopes, fit_two_slopes
 from ptl.measures.run_files import read_sizes
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights
 from ptl.text import interval as limits
@@ -55,7 +55,7 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     )
     frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept)
     lines = fit_two_slopes(resampling_weights(len(sizes), resamples) @ sizes, bend)
-    enough = len(sizes) >= FEWEST_FOR_INTERVAL
+    enough = len(sizes) >= MIN_FOR_INTERVAL
     for side in ("before", "after"):
         ends = interval(getattr(lines, side), confidence) if enough else (np.nan, np.nan)
         frame[f"slope_{side}"] = getattr(line, side)
