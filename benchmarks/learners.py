@@ -1,4 +1,4 @@
-"""Learners of one task that are timed beside each other.
+"""Learners of one task whose speeds are compared.
 
 All do tabular one-step Q-learning with the same alpha, gamma and epsilon, ties broken uniformly and no step limit, on
 the same map. An instance learns one task; only ``run`` is timed.
@@ -53,7 +53,7 @@ class Problem:
 
 
 class Timed(Protocol):
-    """What can be timed."""
+    """A learner or walk that can be timed."""
 
     def run(self, episodes: int) -> int:
         """Do some episodes from the start to the goal; return the number of primitive steps."""
@@ -161,8 +161,8 @@ class Mdplib:
     """The Q-learning of mdplib, a library of tabular methods in C++.
 
     Its epsilon falls from 1 and ties go to its first action, so it has the step distribution of the others only where
-    every action is random: its epsilon is held at 1, whatever the task says. It knows no episodes: the goal leads to
-    the start, and `run` takes `STEPS` steps whatever the number of episodes.
+    every action is random: its epsilon is fixed at 1, regardless of the task. It has no episodes: the goal leads to
+    the start, and `run` takes `STEPS` steps regardless of the number of episodes.
     """
 
     STEPS = 1_000_000

@@ -16,7 +16,7 @@ EPISODES = 200
 """Episodes of the task, as in the published run."""
 
 SAMPLED_EVERY = 20
-"""A learner too slow for the whole task runs one episode in so many."""
+"""A learner too slow for the whole task runs one in this many episodes."""
 
 BASE = "plain Python, one loop"
 """The learner whose rate is 1 in the column of ratios."""
@@ -98,7 +98,7 @@ def measure(
     Parameters
     ----------
     min_seconds : float
-        CPU seconds of a measurement at least; a fast learner learns the task several times.
+        Minimum CPU seconds of a measurement; a fast learner learns the task several times.
     say : callable
         Called with a line at the start of each round.
 

@@ -29,7 +29,7 @@ grows with more than the square of the number of states."""
 
 
 def shared_folder(name: str) -> Path:
-    """Return a folder that an installation has in the package and a checkout beside it."""
+    """Return a folder that is inside the package in an installation, and next to it in a checkout."""
     installed = PACKAGE / name
     return installed if installed.is_dir() else PACKAGE.parent / name
 

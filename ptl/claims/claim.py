@@ -32,7 +32,7 @@ class Claim:
     check: Check
 
     def judge(self, evidence: Evidence) -> Judgement:
-        """Return the verdict on the claim; it is undecided if the evidence lacks something."""
+        """Return the verdict on the claim; it is undecided if evidence is missing."""
         try:
             found = list(self.check(evidence))
         except MissingEvidence as lack:
@@ -45,7 +45,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Judgement:
-    """The verdict on a claim with its parts and notes; ``reason`` names what the evidence lacks.
+    """The verdict on a claim with its parts and notes; ``reason`` names the missing evidence.
 
     ``parts`` and ``verdict`` follow the strict reading of the claim, ``plain`` and ``plain_verdict`` the plain one, if
     its words admit both.

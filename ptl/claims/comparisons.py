@@ -1,4 +1,4 @@
-"""The comparisons that claims are made of.
+"""The comparisons that make up claims.
 
 Where the tables have the same number, the interval is the same too: same name, same random stream.
 """

@@ -1,4 +1,4 @@
-"""Everything that verdicts rest on: measures, curves, subgoals, maps and tables of one run, in memory.
+"""The evidence for verdicts: measures, curves, subgoals, maps and tables of one run, in memory.
 
 Claims use this object alone, so that the main run and the settings of a study are judged by the same
 code. Anything absent, or from too few seeds, raises `MissingEvidence`, which makes a claim undecided, not wrong.

@@ -17,7 +17,7 @@ from ptl.measures.statistics import Estimate, exactly, named_generator
 from ptl.text import number, percent
 
 BYTES_PER_ENTRY, BYTES_PER_SUBGOAL = 1, 4
-"""A policy holds one byte for each state; a subgoal is a number of four bytes."""
+"""A policy takes one byte for each state, a subgoal four bytes."""
 
 SIZES_NEEDED = 4
 """Minimum number of library sizes for the fit of a power law."""

@@ -1,4 +1,4 @@
-"""Places on a map that claims speak of: doorways, rooms and their doors, all derived from the map."""
+"""Places on a map that claims mention: doorways, rooms and their doors, all derived from the map."""
 
 from __future__ import annotations
 

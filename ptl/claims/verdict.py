@@ -2,9 +2,9 @@
 
 A claim consists of parts. A part compares one estimate with what the claim demands, by its interval:
 
-* it *holds* if the whole interval is where the claim says;
+* it *holds* if the whole interval agrees with the claim;
 * it *fails* if the whole interval is elsewhere;
-* it lies *at the bound* if the interval reaches to both sides of a bound, but nowhere further from it than the
+* it is *at the bound* if the interval extends to both sides of a bound, but nowhere further from it than the
   resolution, `RESOLUTION` of the part's scale: more runs would hardly tell the value from the bound;
 * it is *open* if the interval reaches further; more runs could decide it.
 
@@ -18,14 +18,14 @@ The verdict:
 
 * **reproduced** if every part holds;
 * **partly reproduced** if some parts hold and others do not;
-* **not reproduced** if no part holds and at least one fails or lies at the bound;
+* **not reproduced** if no part holds and at least one fails or is at the bound;
 * **undecided** if all parts are open, or the run lacks something that the claim needs, or has fewer than ten seeds of
   it.
 
 So a part at the bound never counts for a claim: with it a claim is at most partly reproduced.
 
 Where a claim's words admit two readings, it has parts of both: those of the *strict* reading, which alone enter the
-verdict, and those of the *plain* one, which give a second verdict beside it.
+verdict, and those of the *plain* one, which give a second verdict.
 
 A claim with a number ("improves by more than 90%") has two parts, the direction and the size, so that the
 right direction with another size is "partly reproduced". Parts are not corrected for their number: with many

@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"([-−]?\d+(?:\.\d+)?(?:e[-+]?\d{1,3})?)")
 
 
 class NothingToCompareError(UserError):
-    """There are no products of another run."""
+    """The products of the other run do not exist."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Reference:
 
 
 def reference(text: str, folder: Path) -> Reference:
-    """Return what a report folder is compared with.
+    """Return the reference with which a report folder is compared.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def reference(text: str, folder: Path) -> Reference:
     Raises
     ------
     UserError
-        If there is nothing of the kind, or a run would be compared with itself.
+        If the reference does not exist, or a run would be compared with itself.
     """
     if text != PUBLISHED and not text.startswith("git:"):
         other = Path(text).parent if Path(text).name == MANIFEST else Path(text)

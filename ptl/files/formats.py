@@ -37,7 +37,7 @@ class Array(NamedTuple):
     low, high : number, str or None
         Range, ends included; a str is a size. Floats are finite.
     optional : bool
-        Optional arrays of a group are there together or not at all.
+        Optional arrays of a group are either all present or all absent.
     """
 
     dtype: str

@@ -1,8 +1,8 @@
-"""A job: everything that decides the content of a result file.
+"""A job: everything that determines the content of a result file.
 
-Each kind of file has a subclass of `Job`, which declares what decides it (fields), where it is (`Job.place`), how it is
-made (`Job.run`) and what it contains (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job
-that it expects, and `differences` names what is different. Snakemake gets the same job as the parameter of its rule.
+Each kind of file has a subclass of `Job`, which declares what determines it (fields), its path (`Job.place`), how it is
+made (`Job.run`) and its contents (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job that it
+expects, and `differences` names the values that differ. Snakemake gets the same job as the parameter of its rule.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
     maps : dict of str to str
         Digest of the map of each environment, see `ptl.world.gridworld.map_digest`.
     code : str
-        Digest of the sources that decide the result, see `sources`.
+        Digest of the sources that determine the result, see `sources`.
     """
 
     root_seed: Number
@@ -82,7 +82,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
         raise NotImplementedError
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what is impossible in arrays that fit their declarations."""
+        """Yield the impossible values in arrays that match their declarations."""
         yield from ()
 
     # -- for all kinds ----------------------------------------------------------------------------------------
@@ -154,7 +154,7 @@ def from_text(text: str | bytes) -> Job:
 
 
 def differences(found: Job, wanted: Job) -> list[str]:
-    """Return in which values a job differs from the one that is wanted, the most telling first: ``x 1, not 2``."""
+    """Return the values in which a job differs from the expected one, most informative first: ``x 1, not 2``."""
     if found == wanted:
         return []
     ours, theirs = _flat(msgspec.to_builtins(wanted)), _flat(msgspec.to_builtins(found))
@@ -163,7 +163,7 @@ def differences(found: Job, wanted: Job) -> list[str]:
 
 
 def _importance(name: str) -> int:
-    """A change of code or map changes other values too, and says less."""
+    """Listed last, because a change of code or map changes other values too and is less informative."""
     return {"kind": 0, "code": 3}.get(name, 2 if name.startswith("maps.") else 1)
 
 

@@ -25,7 +25,7 @@ AGAIN = "remove it and run the workflow again"
 
 
 class Manifest(msgspec.Struct, frozen=True):
-    """What a report folder says of itself.
+    """Contents of the manifest of a report folder.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def read(path: Path) -> Manifest:
     Raises
     ------
     UserError
-        If it is missing, damaged or something else.
+        If it is missing, damaged or not a manifest.
     """
     try:
         return parse(read_bytes(path, MAX_BYTES), path)

@@ -18,7 +18,7 @@ from ptl.extensions import EXTENSIONS
 PACKAGE = Path(__file__).parent.parent
 ROOT = PACKAGE.parent
 LEARNING = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning", "studies")
-"""Rooms whose sources decide what is learned; the others write, check, measure or word it."""
+"""Subpackages whose sources determine what is learned; the others write, check, measure or describe it."""
 
 FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.page": "report/explorer/web"}
 """Folders whose files a module reads; they count as its sources."""

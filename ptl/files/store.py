@@ -170,7 +170,7 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, np.ndarray], di
 
 
 def digest_in(path: str | os.PathLike[str]) -> str | None:
-    """Return the digest of the job that made a file, None if there is no such file or it does not say so."""
+    """Return the digest of the job that made a file, None if the file does not exist or does not name one."""
     try:
         with open(path, "rb") as file:  # noqa: PTH123 - every planning of a run looks at all result files
             file.seek(-SEAL_BYTES, os.SEEK_END)

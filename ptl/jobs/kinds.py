@@ -1,4 +1,4 @@
-"""All kinds of jobs: those of the package, and those of the studies beside it."""
+"""All kinds of jobs: those of the package and those of the studies."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def job_from(text: str | bytes) -> Job:
     try:
         known = msgspec.json.decode(text, type=Tagged).kind in KINDS
     except msgspec.MsgspecError:
-        known = True  # `from_text` says what is wrong
+        known = True  # `from_text` reports the error
     if not known:
         register_studies()
     return from_text(text)

@@ -115,7 +115,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
 
 
 def episode_faults(steps: np.ndarray, shortest: int, limit: int) -> Iterator[str]:
-    """Yield what is impossible in steps per episode."""
+    """Yield the impossible values in steps per episode."""
     if ((steps < shortest) & (steps != limit)).any():
         yield f"an episode is shorter than the shortest path of {shortest} steps"
     if (steps > limit).any():
@@ -139,7 +139,7 @@ def library_arrays(library: SkillLibrary | None, n_states: int) -> dict[str, np.
 
 
 def library_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: int) -> Iterator[str]:
-    """Yield what is impossible in the arrays `LIBRARY`, if they are there."""
+    """Yield the impossible values in the arrays `LIBRARY`, if these exist."""
     if (arrays.get("library/learned_after", np.zeros(1)) >= tasks).any():
         yield "its library has a skill of a task that is not there"
     for skill in skills_of(arrays) or []:

@@ -1,4 +1,4 @@
-"""Many lives in one job, kept as a few arrays: what verdicts need, and no more."""
+"""Many lives in one job, stored as the few arrays that verdicts need."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ptl.learning.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld
 
 STREAM = "robustness"
-"""First name of the random streams, so that lives which decide claims are others than those of the tables."""
+"""First name of the random streams, so that lives which decide claims differ from those of the tables."""
 
 LIVES = {
     "seeds": Array("int64", ("s",), "seeds, in the order of the rows", 0),
@@ -79,7 +79,7 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
 
 
 def lives_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: str, limit: int) -> Iterator[str]:
-    """Yield what is impossible in the arrays `LIVES`."""
+    """Yield the impossible values in the arrays `LIVES`."""
     if (arrays["seeds"] != np.arange(len(arrays["seeds"]))).any():
         yield "its seeds are not 0, 1, 2, ..."
     shortest = world.distances_to(world.start)[[world.goal(letter) for letter in tasks]]

@@ -1,6 +1,6 @@
 """The files of a run: result files measured, and the tables made from them read back.
 
-What the measures are is in `ptl.measures.measures`, which reads and writes nothing.
+See `ptl.measures.measures` for the definitions of the measures; that module reads and writes no files.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Estimates with intervals: single ones, and those of every measure of a run.
 
-scipy resamples; this module chooses the samples and decides when there is no interval. Choices (ours):
+scipy resamples; this module chooses the samples and decides when an interval is undefined. Choices (ours):
 
 * Intervals of means and ratios are bias-corrected and accelerated (BCa), because step counts are strongly
   skewed. Where BCa is undefined (the estimate is at the edge of its bootstrap distribution) the percentile
@@ -31,7 +31,7 @@ from ptl.measures.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_CO
 from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
 VALUES_AT_ONCE = 2**17
-"""Resampled values that are held at a time: they stay in the processor's cache, and memory is small."""
+"""Resampled values in memory at a time; they fit the processor's cache."""
 
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
@@ -208,7 +208,7 @@ def _bootstrap(
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)
-    # Two samples draw from the stream in turn, batch by batch; one draws the same numbers whatever the batches are.
+    # Two samples draw from the stream in turn, batch by batch; one draws the same numbers for any batches.
     batch = max(1, VALUES_AT_ONCE // smallest) if paired or len(samples) == 1 else None
     options = {"confidence_level": how.confidence, "paired": paired, "vectorized": True, "batch": batch}
     with warnings.catch_warnings():
@@ -251,7 +251,7 @@ def summarise(per_seed: pd.DataFrame, how: Resampling) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When a column is missing, a row is there twice, or a seed of a method has no run of the base.
+        When a column is missing, a row is duplicated, or a seed of a method has no run of the base.
     """
     _check_per_seed(per_seed)
     rows: list[dict[str, object]] = []

@@ -1,4 +1,4 @@
-"""The article's statements beside the run's numbers, from the ledger."""
+"""Comparison of the article's statements with the run's numbers, from the ledger."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from ptl.report.table import Table, text_table
 from ptl.text import estimate
 
 SHOWN = 6
-"""Comparisons that are written out of one claim; those that do not hold come first."""
+"""Maximum number of comparisons shown for one claim; those that do not hold come first."""
 
 ORDER = [str(outcome) for outcome in (Outcome.FAILS, Outcome.AT_BOUND, Outcome.OPEN, Outcome.HOLDS)]
 
 
 def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
-    """Lay out what the article says, what the run gives, and the verdicts, for every claim.
+    """Lay out the article's statement, the run's numbers and the verdicts for every claim.
 
     Parameters
     ----------

@@ -24,10 +24,10 @@ PART_COLUMNS = (
 )  # fmt: skip
 
 SHOWN_PARTS = 8
-"""Parts that are written out; of a claim with more of them only those that do not hold."""
+"""Maximum number of parts shown; of a claim with more parts only those that do not hold are shown."""
 
 LISTED = 12
-"""Parts that do not hold and are written out of a claim with many of them."""
+"""Maximum number of parts shown that do not hold, of a claim with many of them."""
 
 SYMBOLS = {Verdict.REPRODUCED: "✓", Verdict.PARTLY: "◐", Verdict.NOT: "✗", Verdict.UNDECIDED: "?"}
 MARKS = {Outcome.HOLDS: "✓", Outcome.FAILS: "✗", Outcome.AT_BOUND: "≈", Outcome.OPEN: "○"}
@@ -51,7 +51,7 @@ FITTED = (
     "The drawings of maps 1 and 2 and the width of PTL's prior were chosen because they fit these claims, so agreement"
     " is a fit and no prediction; docs/reconstruction.md says what the choice is worth on claims that it had not seen."
 )
-"""What a reader of any verdict must know of the published maps and settings."""
+"""Notes on the published maps and settings that apply to every verdict."""
 
 
 def run_text(seeds: int, few: int, statistics: Any, others: Mapping[str, int] | None = None) -> str:

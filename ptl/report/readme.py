@@ -14,11 +14,11 @@ TASK = "F"
 """Task of the first table: the last one of each environment."""
 
 PAGES = {"report": "index.html", "explorer of single runs": "explorer.html", "verdicts": "claims.md"}
-"""Pages that a checkout holds, by what they are called."""
+"""Pages of a checkout by title."""
 
 
 def result(published: Path) -> str:
-    """Return the result in one sentence, and the article's statements on task F beside our numbers."""
+    """Return the result in one sentence, and the article's statements on task F with our numbers."""
     metrics = read_csv(published / "tables/metrics.csv")
     found = metrics[metrics["task"] == TASK].set_index(["environment", "method", "metric"])
 

@@ -4,11 +4,11 @@ Changes are named ``<environment>.<kind>``, with the kinds
 
 ``start``       another start cell, [row, column] counted from 0,
 ``room_size``   a chain of seven square rooms with this many cells on a side,
-``goal_depth``  a chain of seven rooms whose goals lie this far inside, as a share of the room's length,
+``goal_depth``  a chain of seven rooms whose goals are this far inside, as a share of the room's length,
 ``chain``       a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
 ``corridor``    a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
 
-The last two draw a whole map anew, whatever the world was.
+The last two draw a new map, regardless of the given world.
 """
 
 from __future__ import annotations

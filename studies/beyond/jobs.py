@@ -89,7 +89,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         return {"m": len(self.maps), "s": self.seeds, "t": len(self.tasks), "e": self.settings.learning.episodes}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no lives can contain."""
+        """Yield the impossible values."""
         learning, shortest = self.settings.learning, arrays["shortest"][:, None, :]
         least = np.minimum(shortest, learning.max_steps)
         for name, episodes in (("steps", learning.episodes), ("first", 1)):

@@ -37,7 +37,7 @@ def new_population_study(
     Parameters
     ----------
     folder : path
-        Must be absent or empty; the run is called after it.
+        Must be absent or empty; the run gets its name.
     band : {"tuning", "test"}
         Tune on the first, report on the second.
     maps, seeds, episodes : int, optional

@@ -37,7 +37,7 @@ FAMILY_TITLES = {
 NO_TRANSFER = "no_transfer"
 
 FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "ptl_covering")
-"""PTL whose subgoals come from elsewhere; all else is as in `ptl`."""
+"""PTL with other finders of subgoals; everything else is as in `ptl`."""
 
 RIVALS = ("optimistic", "maxqinit", "optimistic_fast", "rmax", "rmax_memory")
 """Baselines without skills."""
@@ -76,7 +76,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "rmax": (NOTHING, CERTAIN, NOTHING),
     "rmax_memory": ("its state, if seen before", CERTAIN, TRANSITIONS),
 }
-"""What a method is told of the goal, whether it relies on moves being certain, and what it keeps from task to task."""
+"""Each method's knowledge of the goal, reliance on deterministic moves, and memory between tasks."""
 
 ORDER = tuple(KNOWLEDGE)
 """Methods in the order in which figures and tables show them; those of other people come after them."""
@@ -105,7 +105,7 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
 
 
 def titles_of(families: Iterable[str], entries: Iterable[str]) -> dict[str, str]:
-    """Return the names of families as readers see them; families of the article's maps say so."""
+    """Return the names of families as readers see them; families of the article's maps are marked."""
     article = set(entries)
     return {
         family: f"Article’s {family}" if family in article else FAMILY_TITLES.get(family, family) for family in families
@@ -354,7 +354,7 @@ def page(**values: Any) -> str:
 
 
 def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
-    """Describe what was run."""
+    """Describe the runs."""
     own = lives[lives["sequence"] == MAIN]
     maps = own.groupby("family")["map"].nunique()
     places = [f"{len(maps)} families of generated maps, {number(int(maps.min()))} maps each"] if len(maps) else []
@@ -375,7 +375,7 @@ def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
 
 
 def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
-    """Describe what the explorer shows, empty if there is none."""
+    """Describe the explorer; empty without one."""
     names = methods.by_identifier(map(our_methods.reference, study.explorer.methods))
     if not names:
         return ""

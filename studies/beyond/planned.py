@@ -169,7 +169,7 @@ def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:
 def cost_of_lives(
     jobs: Iterable[LivesOnMaps], population: Population, given: Mapping[tuple[str, str], GivenMap]
 ) -> Cost:
-    """Estimate what jobs take together."""
+    """Estimate the total cost of jobs."""
     number, lives, steps = 0, 0, 0.0
     for job in jobs:
         number += 1

@@ -1,7 +1,7 @@
 """The search for drawings and settings that fit the article's claims, over the values of config/fit.yaml.
 
 A *learner* is a setting that all environments share, a *drawing* a map of one environment; both are changes against the
-first reference. Environments do not depend on each other, so the best drawing of each is found on its own claims:
+first reference. Environments do not depend on each other, so the best drawing of each is chosen by its own claims:
 
 1. every drawing with the first few learners (the probes), of which the best few drawings go on;
 2. every learner with these drawings; for each learner the best drawing of each environment;
@@ -79,7 +79,7 @@ class FirstReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Search(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What config/fit.yaml fixes before the search; the file says what each value means."""
+    """Settings of the search, fixed in advance in config/fit.yaml, which explains each value."""
 
     screen: Effort
     final: Effort

@@ -1,4 +1,4 @@
-"""The experiment of Fernandez and Veloso: mean gain against trials, beside the values of their figure."""
+"""The experiment of Fernandez and Veloso: mean gain against trials, with the values of their figure."""
 
 from __future__ import annotations
 

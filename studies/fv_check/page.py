@@ -1,4 +1,4 @@
-"""The gain of policy reuse in Fernandez and Veloso's experiment as a table, beside their values."""
+"""The gain of policy reuse in Fernandez and Veloso's experiment as a table, with their values."""
 
 from __future__ import annotations
 

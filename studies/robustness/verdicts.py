@@ -128,7 +128,7 @@ class Target:
     tasks : str or None
         Letters of the tasks shown; those after the first if None.
     methods : tuple of str
-        Methods shown, with no transfer beside them.
+        Methods shown, in addition to no transfer.
     """
 
     claim: str
@@ -182,7 +182,7 @@ def target_frame(setting: SettingEvidence) -> pd.DataFrame:
                 try:
                     numbers = _target_numbers(setting.evidence, *names)
                 except MissingEvidence:
-                    continue  # the status of the setting says why
+                    continue  # the status of the setting records the reason
                 rows.append(
                     {"claim": target.claim, "setting": setting.name, "group": setting.group,
                      "changes": json.dumps(setting.changes), "environment": target.environment,

@@ -25,7 +25,7 @@ LETTER: dict[str, Any] = {
     "fontfamily": "DejaVu Sans Mono", "fontweight": "bold",
     "ha": "center", "va": "center_baseline", "zorder": 6,
 }  # fmt: skip
-"""Type of the letters on maps; with serifs the start's I cannot be taken for a bar."""
+"""Type of the letters on maps; with serifs the start's I cannot be mistaken for a bar."""
 MAX_CELL_SIDE = 0.42
 """Maximum side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
 

@@ -1,4 +1,4 @@
-"""Figures 9 to 11: the f*d metric of subgoal discovery, original beside incremental, task by task."""
+"""Figures 9 to 11: the f*d metric of subgoal discovery, original and incremental, task by task."""
 
 from __future__ import annotations
 

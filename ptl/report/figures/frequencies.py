@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 GAP = 1.75
-"""Inches beside a map for its colour bar."""
+"""Width in inches for the colour bar of a map."""
 MIN_ASPECT = 0.6
 """Minimum ratio of width to height of a panel."""
 MIN_HEIGHT = 5.2

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 NULL_SKILL = "none"
-"""Stands for the null skill where skills are named by the task that taught them."""
+"""Name of the null skill where skills are named by the task that taught them."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Selections:
 
 
 EPISODES = 60
-"""Episodes that the figure shows at most."""
+"""Maximum number of episodes in the figure."""
 
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:

@@ -89,7 +89,7 @@ _R = TypeVar("_R")
 
 
 def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Run a drawing function under `PARAMETERS`, whatever settings the caller's matplotlib has."""
+    """Run a drawing function under `PARAMETERS`, independent of the caller's matplotlib settings."""
 
     @wraps(draw)
     def wrapper(*args: _P.args, **kwargs: _P.kwargs) -> _R:
