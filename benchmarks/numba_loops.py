@@ -95,7 +95,8 @@ def _walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray
     table : uint32 array, shape (n_states * 2**bits,)
         Index of the first of the next state's entries; ``start`` and ``goal`` are such indices too.
     words : uint64 array, shape (k,)
-        Random words. They are reused, each time under another mask: the same words again could lead to an endless cycle.
+        Random words. They are reused, each time under another mask, because the same words could lead to an endless
+        cycle.
     """
     lookups, place, left = 0, 0, 0
     word, shift, mask = np.uint64(0), np.uint64(bits), np.uint64((1 << bits) - 1)

@@ -201,8 +201,8 @@ def with_exponents(measured: pd.DataFrame) -> pd.DataFrame:
 def power_law(sizes: np.ndarray, values: np.ndarray) -> tuple[float, float, float]:
     """Return the exponent of the power law through positive values, with its 95% interval.
 
-    Least squares on logarithms; the interval is Student's, which assumes that the scatter around the line is noise. With
-    fewer than two sizes there is no exponent (nan), with two no interval.
+    Least squares on logarithms; the interval is Student's, which assumes that the scatter around the line is noise.
+    With fewer than two sizes the exponent is undefined (nan), with two the interval.
     """
     if len(sizes) < 2:
         return np.nan, np.nan, np.nan

@@ -55,7 +55,7 @@ def new_study(
     Parameters
     ----------
     folder : path
-        Must be absent or empty; the run is called after it.
+        Must be absent or empty; the run gets its name.
     maps : sequence of paths
         Each map becomes an environment, called after the file's stem.
     tasks : sequence of str

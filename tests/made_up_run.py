@@ -26,11 +26,11 @@ GROUPS = SimpleNamespace(
 
 
 class MadeUpRun:
-    """A run as the article would have it: what it says of every curve, subgoal and library comes true.
+    """A run that agrees with the article's statements on every curve, subgoal and library.
 
-    ``curves`` holds for each environment, method and task: steps of the first episode, steps of the episodes
+    ``curves`` gives for each environment, method and task: steps of the first episode, steps of the episodes
     from the second to the last slow one, that one's number, steps at the end in shortest paths, and episodes
-    that are spikes. ``peaks`` holds the peaks of both metrics, incremental and original, as cells.
+    that are spikes. ``peaks`` gives the peaks of both metrics, incremental and original, as cells.
     ``more_subgoals`` are rows added to the table of subgoals.
     """
 

@@ -1,4 +1,4 @@
-"""The learners of the benchmark learn the same task alike, and what is measured is summarised and shown rightly."""
+"""The learners of the benchmark learn the same task alike; measurements are summarised and shown correctly."""
 
 from __future__ import annotations
 

@@ -48,7 +48,7 @@ def compose_page(
     figures: Mapping[str, tuple[str, str]],
     tables: Mapping[str, str],
 ) -> str:
-    """Compose ``index.html``, which shows the products in the same folder: the first page, all figures, links to the tables.
+    """Compose ``index.html``, which shows the products in its folder: the first page, all figures, links to the tables.
 
     Parameters
     ----------

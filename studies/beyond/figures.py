@@ -23,7 +23,7 @@ TICKS = [1, 2, 5, 10, 20, 50, 100, 200, 500]
 
 @dataclass(frozen=True)
 class Look:
-    """How a method is shown."""
+    """Label and colour of a method."""
 
     label: str
     colour: str

@@ -27,7 +27,7 @@ def task_goal(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int
 
 
 def random_state(random: np.random.Generator) -> Finder:
-    """Return a finder that takes any visited state with equal chances (control: does the choice of the state matter?)."""
+    """Return a finder that takes a visited state at random (control: does the choice of the state matter?)."""
 
     def scores(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int]) -> np.ndarray:
         visited = graph.steps_from([discovery.start]) >= 0

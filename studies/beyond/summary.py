@@ -266,7 +266,7 @@ def by_sequence(lives: pd.DataFrame, how: Resampling) -> pd.DataFrame:
 
 
 def by_winding(lives: pd.DataFrame, entries: Iterable[MapEntry]) -> pd.DataFrame:
-    """Return the geometric mean cost on each generated map with the map's winding.
+    """Return the geometric mean cost on each generated map, with the winding of the map.
 
     Columns family, map, method, winding, cost.
     """

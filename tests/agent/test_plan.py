@@ -23,7 +23,7 @@ EPISODES, TRAJECTORIES = 12, 5
 
 
 class NotedPlan:
-    """A plan whose draws come from a stream of its own, and what it was told."""
+    """A plan whose draws come from a stream of its own, and its notes."""
 
     def __init__(self, guides: list[Guide | None], seed: int, **options: Any) -> None:
         random = np.random.default_rng(seed)
@@ -37,7 +37,7 @@ class NotedPlan:
 
 
 def run_by_calls(learner: Any, plan: Plan, start: int) -> tuple[list[int], list[bool], list[list[int]], list[Any]]:
-    """What `run_episodes` returns, by `Plan.run`."""
+    """Return the same as `run_episodes`, by `Plan.run`."""
     steps, truncated, drawn, paths = [], [], [], []
     for _ in range(EPISODES):
         learner.begin_episode(start)

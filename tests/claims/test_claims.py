@@ -57,7 +57,7 @@ def judgement(evidence, id):
     return CLAIMS[id].judge(evidence)
 
 
-# -- made-up runs that say the contrary ----------------------------------------------------------------------
+# -- made-up runs that contradict claims ---------------------------------------------------------------------
 
 
 def subgoals_in_room_1(run):
@@ -217,7 +217,7 @@ def test_not_improved_needs_more_than_lack_of_significance(as_in_the_article):
     assert judged.verdict is Verdict.PARTLY
 
 
-# -- what is not in the run ----------------------------------------------------------------------------------
+# -- missing evidence ----------------------------------------------------------------------------------------
 
 COUNTED = {"E2-size", "selection-cost", "space"}
 """Claims that rest on no runs."""

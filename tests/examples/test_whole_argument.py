@@ -75,7 +75,7 @@ def test_curves_are_those_of_the_published_figure(ran: SimpleNamespace) -> None:
 
 
 def test_verdicts_are_those_of_the_published_tables(ran: SimpleNamespace) -> None:
-    """The ledger has the verdict by the 30 runs of the tables beside the one by all runs."""
+    """The ledger has the verdict by the 30 runs of the tables and the one by all runs."""
     claims = pd.read_csv(ROOT / "reports/published/claims.csv").set_index("id")
     parts = pd.read_csv(ROOT / "reports/published/claims_parts.csv")
     expected = [name for name in claims.index if name.startswith("E2-")]

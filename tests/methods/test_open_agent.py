@@ -438,7 +438,7 @@ def test_a_wrong_reference_is_refused_in_one_line(reference, says):
 
 
 class Unnamed(BaseMethod):
-    """A class under its own name must say its identifier."""
+    """A class used under its own name must have an identifier."""
 
     label, colour = "Unnamed", "#abcdef"
 

@@ -222,7 +222,7 @@ class OwnRule(PartialTransfer):
 
 
 class OwnGuide(BaseMethod):
-    """A method that follows a policy of its own."""
+    """A method that follows its own policy."""
 
     name = "own"
     label, colour = "Own guide", "#654321"
@@ -247,7 +247,7 @@ class OwnSteps(BaseMethod):
 
 
 def learned_by(kind, monkeypatch):
-    """A job of a method from elsewhere, and what it learns."""
+    """A job of a user's method, and its arrays."""
     parameters = PARAMETERS.replace(learning__max_steps=2000)
     job = msgspec.structs.replace(chain_job("ptl", parameters=parameters), method="own", reference="own.py")
     with monkeypatch.context() as patch:

@@ -62,7 +62,7 @@ def run(finished: Project, tmp_path: Path) -> Iterator[Project]:
 
 
 def forget(run: Project) -> None:
-    """Lose what Snakemake remembers."""
+    """Delete Snakemake's records."""
     shutil.rmtree(run.folder / ".snakemake")
 
 
