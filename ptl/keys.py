@@ -1,4 +1,4 @@
-"""Typed keys of a configuration: what is said about them, how values are checked, and the message for a wrong one."""
+"""Typed keys of a configuration: their descriptions, the check of values, and the messages for wrong values."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping

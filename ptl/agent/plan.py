@@ -1,7 +1,7 @@
 """A plan: one episode of a method, described instead of programmed.
 
-The loop over episodes is `ptl.agent._episodes.run_episodes`. It does in compiled code what `Plan.run` says in Python:
-the same calls of the learner, the same random numbers, the same results (tests hold them together).
+The loop over episodes is `ptl.agent._episodes.run_episodes`. It is the compiled form of `Plan.run`:
+the same calls of the learner, the same random numbers, the same results (tests compare them).
 """
 
 from __future__ import annotations
@@ -80,7 +80,7 @@ class Plan:
 
     A guide with an initiation set also leads wherever exploring comes to a state of the set in which all action values
     are equal, so that nothing is known there yet, each state once an episode; when patience runs out, the agent
-    explores as many steps again without it (our choice: the goal may lie where the guide never leads).
+    explores as many steps again without it (our choice: the goal may be where the guide never leads).
     """
 
     draw: Callable[[], int] | None = None

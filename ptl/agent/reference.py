@@ -396,5 +396,5 @@ class ReferenceLearner:
 
 
 def _threshold(probability: float) -> int:
-    """Return the number of half words out of 2**32 that stand for a probability."""
+    """Return the number of half words out of 2**32 that represent a probability."""
     return int(probability * TWO_32)

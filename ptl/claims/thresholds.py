@@ -20,7 +20,7 @@ ABOUT_POINTS = 5.0
 """About a range of percentages: five points beyond either end, half the width of the article's 80-90%."""
 
 FEW_EPISODES = 20
-"""A few episodes: a tenth of the 200 of a task. The window of the threshold is the least possible number."""
+"""A few episodes: a tenth of the 200 of a task. The window of the threshold is the minimum possible number."""
 
 NO_IMPROVEMENT = 20.0
 """Not improved: not significantly, and by less than this share (%) of the base, about the standard error of a

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 GAP = "  "
 
 NAMES = ("environment", "task", "method", "metric")
-"""Columns that say what a row is about."""
+"""Columns that identify a row."""
 
 INTERVAL = ("mean", "ci_low", "ci_high")
 """Columns of the estimate; empty if no seed has a value."""
@@ -78,7 +78,7 @@ def _path_of(run: str | None) -> Path:
 
 
 def _estimates(path: Path) -> pd.DataFrame:
-    """Read a table of estimates, control characters in its names as escapes; refuse a table of something else."""
+    """Read a table of estimates, control characters in its names as escapes; refuse other tables."""
     from ptl.errors import UserError, printable
     from ptl.files.tables import check_numbers, read_table
 
@@ -133,7 +133,7 @@ def _cell(row: dict | None, can_miss: bool) -> str:
 
 
 def _laid_out(columns: list[list[str]], width: int) -> Iterator[str]:
-    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers stand to the right."""
+    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers are right-aligned."""
     labels, *others = columns
     left = max(map(len, labels))
     while others:

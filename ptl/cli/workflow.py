@@ -1,4 +1,4 @@
-"""``ptl workflow``: run snakemake in surroundings in which it works."""
+"""``ptl workflow``: run snakemake in an environment in which it works."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def command(arguments: tuple[str, ...]) -> None:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment variables for Snakemake, with what the account lacks.
+    """Return the environment variables for Snakemake, including those that the account lacks.
 
     Raises
     ------

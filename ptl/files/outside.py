@@ -64,7 +64,7 @@ def values_of(text: str) -> dict[str, Any]:
 
 
 def sources_of(*modules: str) -> str:
-    """Return a digest of the sources in the rooms of learning that modules depend on."""
+    """Return a digest of the sources of learning (`LEARNING`) that modules depend on."""
     return code_digest(*modules, within=LEARNING)
 
 

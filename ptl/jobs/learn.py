@@ -89,7 +89,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         return {"n": worlds[self.environment].n_states, "e": self.settings.learning.episodes}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no life can contain."""
+        """Yield the impossible values."""
         world, limit = worlds[self.environment], self.settings.learning.max_steps
         if {name.split("/")[1] for name in arrays if name.startswith("tasks/")} != {*self.tasks}:
             yield f"its tasks are not {self.tasks}"

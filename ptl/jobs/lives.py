@@ -74,7 +74,7 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
         return {"s": self.seeds, "t": len(self.tasks), "e": episodes, "n": states}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no lives can contain."""
+        """Yield the impossible values."""
         yield from lives_faults(arrays, worlds[self.environment], self.tasks, self.settings.learning.max_steps)
 
 
@@ -123,6 +123,6 @@ class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
         return {"r": self.runs, "g": self.tasks + 1}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no library can do."""
+        """Yield the impossible values."""
         if not grows(arrays["library_size"]):
             yield "a library does not grow from 0 by at most one skill a task"

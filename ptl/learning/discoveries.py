@@ -1,4 +1,4 @@
-"""The row of the subgoal table that one learned task leaves."""
+"""The row of the subgoal table for one learned task."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ class Task:
 
 @dataclass(frozen=True)
 class TaskRecord:
-    """All that is kept of one learned task.
+    """The record of one learned task.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def learn_task(
     """
     if task.start == task.goal:
         raise UserError(f"task {task.name}: starts at its goal, state {task.goal}; give two states")
-    learning, rates = parameters.learning, method.parameters.learning  # a method may have rates of its own
+    learning, rates = parameters.learning, method.parameters.learning  # a method may have its own rates
     initial_q = method.begin_task(task.start, task.goal)
     learner = Learner(
         dynamics,

@@ -1,4 +1,4 @@
-"""Many lives of one method in one process, kept as a few arrays: what measures and verdicts need, and no more."""
+"""Many lives of one method in one process, stored as the few arrays that measures and verdicts need."""
 
 from __future__ import annotations
 

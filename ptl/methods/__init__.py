@@ -1,4 +1,4 @@
-"""The compared methods, one file each, and methods from anywhere else.
+"""The compared methods, one file each, and the loading of users' methods.
 
 A method is named by a reference:
 
@@ -80,7 +80,7 @@ def load(reference: str) -> type[BaseMethod]:
 
 
 def identifier(method: str | Maker) -> str:
-    """Return the word that stands for a method in files, tables and random streams.
+    """Return the identifier of a method in files, tables and random streams.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a page of its own."""
+"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a separate page."""
 
 from __future__ import annotations
 

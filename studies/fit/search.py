@@ -10,8 +10,8 @@ first reference. Environments do not depend on each other, so the best drawing o
 4. the finalists' learners with these drawings again, with other random numbers and more seeds, and for each the best
    drawing of each environment. The best finalist is the choice.
 
-``python -m studies.fit.search`` runs it in one process. What a method does not read cannot change it, so lives are
-learned once for all readings that agree on what it reads.
+``python -m studies.fit.search`` runs it in one process. Parameters that a method does not read cannot change it, so
+lives are learned once for all readings with the same values of the parameters that it reads.
 """
 
 from __future__ import annotations
@@ -327,7 +327,7 @@ def _chosen_by(own: Judged, outcomes: Outcomes) -> str:
 
 
 def halves_frame(outcomes: Outcomes, halves: Sequence[Sequence[str]]) -> pd.DataFrame:
-    """Return what a choice by one half of the claims is worth on the other.
+    """Return the score on one half of the claims of a choice made by the other.
 
     A row for each half: claims reproduced by the reference and by the reading chosen on that half, on the half itself
     (``chosen_on``) and on the other (``checked_on``), with the final seeds.

@@ -56,7 +56,7 @@ STREAM = "fernandez_veloso"
 
 @dataclass(frozen=True)
 class PastTasks:
-    """A library of the experiment: the tasks whose policies it holds.
+    """A library of the experiment: the tasks of its policies.
 
     Attributes
     ----------

@@ -115,8 +115,8 @@ def draw_places(
 
     Parameters
     ----------
-    axes, world
-        Where and what.
+    axes : matplotlib.axes.Axes
+    world : GridWorld
     cell : float
         Side of a drawn cell in inches, for the size of the letters.
     goals : iterable of str, optional

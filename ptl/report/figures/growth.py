@@ -84,7 +84,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
-    # the curve bends downwards, so below it, right of the bend, there is room for words
+    # the curve bends downwards, so the area below it, right of the bend, is free for text
     arrow = {"arrowstyle": "-", "color": style.MUTED, "shrinkA": 4, "shrinkB": 5}
     for name, x, place in (
         ("before", 0.6 * bend, (0.31, 0.10)),

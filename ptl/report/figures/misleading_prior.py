@@ -69,7 +69,7 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
 def collect(results: Iterable[Result], statistics: Statistics, task: str | None = None) -> Selections:
     """Compute the selection probabilities of one task from learning files of the method ``ptl``.
 
-    The files hold which skills each episode used and how long it was; that determines the probabilities.
+    The files contain the skills and the length of each episode, which determine the probabilities.
 
     Parameters
     ----------
