@@ -9,7 +9,7 @@ import pandas as pd
 from projects import FIRST_MAPS
 
 from ptl.claims.evidence import Evidence, settings_of
-from ptl.learning.discoveries import Found
+from ptl.learning.discoveries import SubgoalRow
 from ptl.measures.measures import Runs, measure
 from ptl.world.gridworld import load_map
 
@@ -114,7 +114,7 @@ class MadeUpRun:
                 self.worlds[key[0]].state_at(*cells[TASKS.index(key[2])]) for cells in self.peaks[key[0]]
             )
             values = (incremental, 9.0, 0.8, "added", incremental, original)
-            found = {name: np.full(seeds, value) for name, value in zip(Found._fields, values, strict=True)}
+            found = {name: np.full(seeds, value) for name, value in zip(SubgoalRow._fields, values, strict=True)}
         return Runs(*key, np.arange(seeds), self.steps(key, seeds), np.zeros(seeds, dtype=int), found)
 
     def steps(self, key, seeds):

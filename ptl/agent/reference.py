@@ -327,9 +327,7 @@ class ReferenceLearner:
                 added, allowed = (None if table is None else table[here] for table in (bonus, mask))
                 self.act(self.choose(epsilon, bonus=added, mask=allowed))
 
-    def follow(
-        self, policy: Sequence[int] | np.ndarray, subgoal: int | None = None, budget: int | None = None
-    ) -> None:
+    def follow(self, policy: Sequence[int] | np.ndarray, subgoal: int | None = None, budget: int | None = None) -> None:
         """Follow a policy until its subgoal, a state where it is undefined, or an end as in `explore`.
 
         Parameters

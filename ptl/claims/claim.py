@@ -34,12 +34,12 @@ class Claim:
     def judge(self, evidence: Evidence) -> Judgement:
         """Return the verdict on the claim; it is undecided if evidence is missing."""
         try:
-            found = list(self.check(evidence))
+            items = list(self.check(evidence))
         except MissingEvidence as lack:
             return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
-        parts = tuple(item for item in found if isinstance(item, Part) and not item.plain)
-        plain = tuple(item for item in found if isinstance(item, Part) and item.plain)
-        notes = tuple(item for item in found if isinstance(item, str))
+        parts = tuple(item for item in items if isinstance(item, Part) and not item.plain)
+        plain = tuple(item for item in items if isinstance(item, Part) and item.plain)
+        notes = tuple(item for item in items if isinstance(item, str))
         return Judgement(self, decide(parts), parts, notes, plain=plain)
 
 

@@ -107,8 +107,8 @@ def times_as_many_episodes(evidence: Evidence, environment: str, task: str, meth
     """Return the mean episodes to threshold of the other method over those of the method."""
     own, others = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
     own, others = (
-        np.nan_to_num(found, nan=float(evidence.curve(environment, name, task).shape[1]))
-        for found, name in ((own, method), (others, other))
+        np.nan_to_num(times, nan=float(evidence.curve(environment, name, task).shape[1]))
+        for times, name in ((own, method), (others, other))
     )
     generator = named_generator(environment, task, method, other, "times_as_many_episodes")
     return statistics.ratio_of_means(others, own, evidence.how, generator)
@@ -199,23 +199,23 @@ def elsewhere(
         (SUPERVISED, LAST_TASK),
         (UNKNOWN, LAST_TASK),
     ]
-    found = []
+    texts = []
     for method, task in cases:
         try:
             own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
         except MissingEvidence:
             continue
-        found.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
-    if found:
-        yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(found)}"
+        texts.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
+    if texts:
+        yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(texts)}"
 
 
 def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
     """Note the number of seeds that never reach the threshold and so enter means with the length of the task."""
-    found = []
+    texts = []
     for method in methods:
         missing = int(np.isnan(evidence.values(environment, task, method, "threshold_episode")).sum())
         if missing:
-            found.append(f"{method} {missing}")
-    if found:
-        yield f"seeds that never reach the threshold, counted with all their episodes: {', '.join(found)}"
+            texts.append(f"{method} {missing}")
+    if texts:
+        yield f"seeds that never reach the threshold, counted with all their episodes: {', '.join(texts)}"

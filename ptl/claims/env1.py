@@ -34,13 +34,13 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     goals = {task: evidence.goal(ENV, task) for task in TASKS}
     at_newest = {task: places.near(world, [places.newest_doorway(world, goal)], AT) for task, goal in goals.items()}
 
-    def found(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
+    def hits(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
         peaks = {task: evidence.peaks(ENV, c.PTL, task, metric) for task in tasks}
         return np.column_stack([(peaks[task] >= 0) & where[task][peaks[task]] for task in tasks])
 
-    anywhere = found("incremental", TASKS, dict.fromkeys(TASKS, at_any))
-    newest = found("incremental", TASKS, at_newest)
-    original = found("original", c.TRANSFER_TASKS, at_newest)
+    anywhere = hits("incremental", TASKS, dict.fromkeys(TASKS, at_any))
+    newest = hits("incremental", TASKS, at_newest)
+    original = hits("original", c.TRANSFER_TASKS, at_newest)
     name = (ENV, "subgoals")
     yield above("incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MAJORITY)
     yield above("incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MAJORITY)
@@ -50,7 +50,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
         MAJORITY,
     )
     yield f"doorways and their neighbours are {percent(at_any.mean())} of the states"
-    exactly = found("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
+    exactly = hits("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
     yield f"runs with all subgoals on doorways: {anywhere.all(axis=1).sum()} of {len(anywhere)}"
     yield f"on the very cell of a doorway, not beside it: {exactly.sum()} of {exactly.size} subgoals"
 

@@ -137,11 +137,11 @@ class Evidence:
 
     def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""
-        found = [self.curve(environment, method, task) for method in methods]
+        curves = [self.curve(environment, method, task) for method in methods]
         seeds = [self._frame(environment, task, method).index for method in methods]
         common = seeds[0].intersection(seeds[1])
         _check_number(len(common), f"{environment} {task} {' and '.join(methods)}")
-        one, other = (curve[own.isin(common)] for curve, own in zip(found, seeds, strict=True))
+        one, other = (curve[own.isin(common)] for curve, own in zip(curves, seeds, strict=True))
         if one.shape != other.shape:
             raise MissingEvidence(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
         return one, other
@@ -183,10 +183,10 @@ class Evidence:
 
     def needed(self, name: str) -> Any:
         """Return the attribute of this name, which must not be absent or empty."""
-        found = getattr(self, name)
-        if found is None or len(found) == 0:
+        value = getattr(self, name)
+        if value is None or len(value) == 0:
             raise MissingEvidence(f"{name.replace('_', ' ')}: not in this run")
-        return found
+        return value
 
 
 def _check_number(seeds: int, name: str) -> None:

@@ -19,10 +19,10 @@ def doorways(world: GridWorld) -> np.ndarray:
     blocked = world.successors == own[:, np.newaxis]
     upright = blocked[:, WEST] & blocked[:, EAST] & ~blocked[:, NORTH] & ~blocked[:, SOUTH]
     across = blocked[:, NORTH] & blocked[:, SOUTH] & ~blocked[:, WEST] & ~blocked[:, EAST]
-    found = np.flatnonzero(upright | across)
-    if not found.size:
+    states = np.flatnonzero(upright | across)
+    if not states.size:
         raise MissingEvidence(f"{world.name}: there is no doorway on this map")
-    return found
+    return states
 
 
 def newest_doorway(world: GridWorld, goal: int) -> int:

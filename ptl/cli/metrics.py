@@ -66,14 +66,14 @@ def _path_of(run: str | None) -> Path:
     if run is not None:
         path = Path(run) if run.endswith(".csv") else Path("reports") / run / "tables/metrics.csv"
         if not path.is_file():
-            there = ", ".join(sorted(found.parts[1] for found in Path("reports").glob("*/tables/metrics.csv")))
+            there = ", ".join(sorted(path.parts[1] for path in Path("reports").glob("*/tables/metrics.csv")))
             raise UserError(f"{path}: no such file; runs with measures: {there or 'none'}")
         return path
-    found = {path.parts[1]: path for path in Path("reports").glob("*/tables/metrics.csv")}
-    if len(found) == 1 or "published" in found:
-        return found.get("published") or next(iter(found.values()))
+    tables = {path.parts[1]: path for path in Path("reports").glob("*/tables/metrics.csv")}
+    if len(tables) == 1 or "published" in tables:
+        return tables.get("published") or next(iter(tables.values()))
     raise UserError(
-        f"reports/*/tables/metrics.csv: {len(found)} runs; name one of {', '.join(sorted(found)) or 'none'}"
+        f"reports/*/tables/metrics.csv: {len(tables)} runs; name one of {', '.join(sorted(tables)) or 'none'}"
     )
 
 

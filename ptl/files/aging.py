@@ -35,9 +35,9 @@ def age_results(folder: Path, jobs: Iterable[Job]) -> None:
     """Age the result files that other jobs have made; ``folder`` is results/<run>/."""
     for job in jobs:
         path = folder / job.place
-        if (found := digest_in(path)) is None:
+        if (stored := digest_in(path)) is None:
             continue
-        if found != job.digest:
+        if stored != job.digest:
             _age(path)
         elif path.stat().st_mtime == OLD:  # another configuration was tried in between
             path.touch()
@@ -87,10 +87,10 @@ def digest(value: Any) -> str:
 
 def _made(results: Path) -> dict[str, Any]:
     try:
-        found = json.loads((results / MADE).read_text(encoding="utf-8"))
+        content = json.loads((results / MADE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) and isinstance(found.get("products"), dict) else {}
+    return content if isinstance(content, dict) and isinstance(content.get("products"), dict) else {}
 
 
 def _age(path: Path) -> None:

@@ -153,11 +153,11 @@ def from_text(text: str | bytes) -> Job:
 # -- comparison ---------------------------------------------------------------------------------------------------
 
 
-def differences(found: Job, wanted: Job) -> list[str]:
+def differences(actual: Job, wanted: Job) -> list[str]:
     """Return the values in which a job differs from the expected one, most informative first: ``x 1, not 2``."""
-    if found == wanted:
+    if actual == wanted:
         return []
-    ours, theirs = _flat(msgspec.to_builtins(wanted)), _flat(msgspec.to_builtins(found))
+    ours, theirs = _flat(msgspec.to_builtins(wanted)), _flat(msgspec.to_builtins(actual))
     names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
     return [_named(name, theirs.get(name), ours.get(name)) for name in sorted(names, key=_importance)]
 
@@ -167,12 +167,12 @@ def _importance(name: str) -> int:
     return {"kind": 0, "code": 3}.get(name, 2 if name.startswith("maps.") else 1)
 
 
-def _named(name: str, found: Any, wanted: Any) -> str:
+def _named(name: str, actual: Any, wanted: Any) -> str:
     if name == "code":
         return "another version of the code"
     if name.startswith("maps."):
         return f"another map of {name.removeprefix('maps.')}"
-    return f"{name.removeprefix('parameters.')} {_shown(found)}, not {_shown(wanted)}"
+    return f"{name.removeprefix('parameters.')} {_shown(actual)}, not {_shown(wanted)}"
 
 
 def _shown(value: Any) -> str:
@@ -183,7 +183,7 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     if not isinstance(value, dict):
         return {name: value}
     parts = (_flat(part, f"{name}.{key}" if name else key) for key, part in value.items())
-    return {key: part for found in parts for key, part in found.items()}
+    return {key: part for group in parts for key, part in group.items()}
 
 
 # -- handing jobs on ----------------------------------------------------------------------------------------------

@@ -112,17 +112,17 @@ def local_sources(reference: str) -> tuple[Path, list[Path]]:
         levels = module.count(".") + (first.name == "__init__.py")
     root = first.parents[levels]
     installed = root in {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
-    found = {first, *(_files_of(module, root) if module else ())}
-    waiting = [*found]
+    files = {first, *(_files_of(module, root) if module else ())}
+    waiting = [*files]
     while waiting:
         for name in _imports(waiting.pop(), root, reference):
             package, _, _ = name.partition(".")
             own = package == module.partition(".")[0]
             if package and (own or not (installed or package == "ptl")):
-                new = set(_files_of(name, root)) - found
-                found |= new
+                new = set(_files_of(name, root)) - files
+                files |= new
                 waiting += new
-    return root, sorted(found)
+    return root, sorted(files)
 
 
 def _imports(path: Path, root: Path, reference: str) -> Iterator[str]:

@@ -79,12 +79,12 @@ def _blocks(path: str | os.PathLike[str], limit: int | None) -> Iterator[bytes]:
             raise NotReadable(path, f"{other}, not a file")
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         with os.fdopen(descriptor, "rb", buffering=0) as file:
-            found = os.fstat(descriptor)
-            if other := kind_of(found.st_mode):
+            status = os.fstat(descriptor)
+            if other := kind_of(status.st_mode):
                 raise NotReadable(path, f"{other}, not a file")
-            if limit is not None and found.st_size > limit:
+            if limit is not None and status.st_size > limit:
                 raise NotReadable(path, f"more than {limit} bytes")
-            rest = found.st_size  # no more, though some files of the system never end
+            rest = status.st_size  # no more, though some files of the system never end
             while rest and (block := file.read(min(rest, BLOCK))):
                 rest -= len(block)
                 yield block
@@ -99,9 +99,9 @@ def below(folder: Path) -> Iterator[Path]:
     for place, folders, files in os.walk(folder, followlinks=True):
         kept = []
         for name in folders:
-            found = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 - a walk of many files
-            if (found.st_dev, found.st_ino) not in seen:
-                seen.add((found.st_dev, found.st_ino))
+            status = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 - a walk of many files
+            if (status.st_dev, status.st_ino) not in seen:
+                seen.add((status.st_dev, status.st_ino))
                 kept.append(name)
         folders[:] = kept
         yield from (Path(place, name) for name in files)

@@ -196,14 +196,14 @@ class TaskView(NamedTuple):
 
 def tasks_in(result: Result) -> dict[str, TaskView]:
     """Return the tasks of a learning file by letter, in the order in which they were learned."""
-    found = {}
+    views = {}
     for letter in result.job.tasks:
         values: list[Any] = [result.arrays[f"tasks/{letter}/{name}"] for name in TaskView._fields[1:]]
         plain: list[Any] = [value.item() if value.ndim == 0 else value for value in values]
-        found[letter] = TaskView._make(
+        views[letter] = TaskView._make(
             [letter, *(part.decode() if isinstance(part, bytes) else part for part in plain)]
         )
-    return found
+    return views
 
 
 def _task_arrays(record: TaskRecord) -> dict[str, np.ndarray]:

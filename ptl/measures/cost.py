@@ -135,12 +135,12 @@ def check_cost(cost: Cost, allowed: bool) -> None:
     UserError
         Naming the estimate, the limit and the ways on.
     """
-    for found, limit, unit in (
+    for amount, limit, unit in (
         (cost.jobs, MAX_JOBS, "learning jobs"),
         (cost.hours, MAX_HOURS, "CPU hours"),
         (cost.memory, MAX_BYTES, "bytes of memory"),
     ):
-        if found > limit and not allowed:
+        if amount > limit and not allowed:
             raise UserError(
                 f"this run would take {cost} (estimated), more than {number(limit)} {unit}; split it into"
                 f" configurations with fewer seeds, each with its own 'run' and 'root_seed', or set"

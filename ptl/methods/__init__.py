@@ -118,13 +118,13 @@ def by_identifier(references: Iterable[str]) -> dict[str, str]:
     UserError
         If two references have one identifier.
     """
-    found: dict[str, str] = {}
+    by_name: dict[str, str] = {}
     for reference in references:
         name = identifier(reference)
-        if name in found:
-            raise UserError(f"methods {found[name]} and {reference} are both called {name}; rename one of them")
-        found[name] = reference
-    return found
+        if name in by_name:
+            raise UserError(f"methods {by_name[name]} and {reference} are both called {name}; rename one of them")
+        by_name[name] = reference
+    return by_name
 
 
 def source_file(reference: str) -> Path:

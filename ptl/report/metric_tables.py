@@ -61,10 +61,10 @@ class MetricColumn:
     @property
     def parts(self) -> list[table.Column]:
         """Columns of the page."""
-        found = [table.Column(self.heading, self.unit)]
-        found += [table.Column(self.heading, "reached")] * self.with_share
-        found += [table.Column(self.heading, "P")] * self.with_improvement
-        return found
+        parts = [table.Column(self.heading, self.unit)]
+        parts += [table.Column(self.heading, "reached")] * self.with_share
+        parts += [table.Column(self.heading, "P")] * self.with_improvement
+        return parts
 
 
 def columns_of(kind: str) -> Iterator[MetricColumn]:
@@ -117,7 +117,7 @@ def build_tables(
     list of (Table, DataFrame)
         Each table with its numbers.
     """
-    found: list[tuple[Table, pd.DataFrame]] = []
+    tables: list[tuple[Table, pd.DataFrame]] = []
     for environment, title in titles.items():
         frame = metrics[metrics["environment"] == environment]
         if frame.empty:
@@ -127,7 +127,7 @@ def build_tables(
             notes = [*_common_notes(frame, statistics, methods, reproduction), *_kind_notes(kind, measures)]
             groups, numbers = _body(frame, columns, methods)
             parts = [part for column in columns for part in column.parts]
-            found.append(
+            tables.append(
                 (
                     Table(
                         title=table_title(kind, title),
@@ -136,13 +136,13 @@ def build_tables(
                         columns=parts,
                         groups=groups,
                         notes=notes[1:],
-                        number=len(found) + 1,
+                        number=len(tables) + 1,
                         group_heading="Task",
                     ),
                     pd.DataFrame(numbers),
                 )
             )
-    return found
+    return tables
 
 
 def write_tables(tables: Sequence[tuple[Table, pd.DataFrame]], folder: Path) -> None:

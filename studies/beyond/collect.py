@@ -117,7 +117,7 @@ def foreign_lives(study: SecondStudy) -> pd.DataFrame:
     UserError
         When a file is invalid, names a method twice, or has an optimum that differs from the table of maps.
     """
-    found = pd.DataFrame(columns=list(LIFE_COLUMNS))
+    collected = pd.DataFrame(columns=list(LIFE_COLUMNS))
     taken = {methods.identifier(reference(name)): "methods" for name in study.methods}
     episodes = study.learning.episodes
     shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population()}
@@ -142,5 +142,5 @@ def foreign_lives(study: SecondStudy) -> pd.DataFrame:
                     f"{path}: the optimum of family {row.family}, map {row.map} is {row.optimum}, where {episodes}"
                     f" episodes give {wanted}; use the same maps, tasks and episodes"
                 )
-        found = pd.concat([found, lives], ignore_index=True) if len(found) else lives
-    return found
+        collected = pd.concat([collected, lives], ignore_index=True) if len(collected) else lives
+    return collected

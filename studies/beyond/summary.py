@@ -40,7 +40,7 @@ def logarithms(lives: pd.DataFrame) -> dict[tuple[str, str], np.ndarray]:
     UserError
         When methods of a family were not run on the same maps, or maps not by the same number of lives.
     """
-    found: dict[tuple[str, str], np.ndarray] = {}
+    by_method: dict[tuple[str, str], np.ndarray] = {}
     for family, part in lives.groupby("family", sort=False):
         part = part.assign(log=np.log(part["total_steps"] / part["optimum"]))
         maps = sorted(part["map"].unique())
@@ -51,8 +51,8 @@ def logarithms(lives: pd.DataFrame) -> dict[tuple[str, str], np.ndarray]:
                     f"method {method}: its lives in the family {family} are not those of the other methods; run it on"
                     " the same maps with the same number of seeds"
                 )
-            found[str(family), str(method)] = table.loc[maps].to_numpy()
-    return found
+            by_method[str(family), str(method)] = table.loc[maps].to_numpy()
+    return by_method
 
 
 def main_lives(lives: pd.DataFrame) -> pd.DataFrame:
@@ -290,6 +290,6 @@ def winding_trends(frame: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (family, method), part in frame.groupby(["family", "method"], sort=False):
         if len(part) > 4 and part["winding"].nunique() > 1 and part["cost"].nunique() > 1:
-            found = stats.spearmanr(part["winding"], part["cost"])
-            rows.append((family, method, found.statistic, found.pvalue))
+            correlation = stats.spearmanr(part["winding"], part["cost"])
+            rows.append((family, method, correlation.statistic, correlation.pvalue))
     return pd.DataFrame(rows, columns=["family", "method", "coefficient", "p"])

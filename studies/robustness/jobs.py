@@ -109,12 +109,12 @@ class Setting(Job, frozen=True, kw_only=True, tag="setting/1"):
 
 def lives_in(arrays: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     """Return the arrays of the lives of each environment and method."""
-    found: dict[tuple[str, str], dict[str, np.ndarray]] = {}
+    by_method: dict[tuple[str, str], dict[str, np.ndarray]] = {}
     for place, values in arrays.items():
         if place.count("/") == 2:
             environment, method, name = place.split("/")
-            found.setdefault((environment, method), {})[name] = values
-    return found
+            by_method.setdefault((environment, method), {})[name] = values
+    return by_method
 
 
 # -- planning -----------------------------------------------------------------------------------------------------

@@ -127,8 +127,8 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
             marked = part[part["chosen"] > 0]
             cells.draw_rings(axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds))
             axes.set_title(f"task {task}, {metric}", fontsize=15)
-            if (found := int(part["chosen"].sum())) < seeds:
-                axes.set_xlabel(f"a subgoal in {found} of {seeds} seeds", loc="left", fontsize=13)
+            if (count := int(part["chosen"].sum())) < seeds:
+                axes.set_xlabel(f"a subgoal in {count} of {seeds} seeds", loc="left", fontsize=13)
     bar = figure.colorbar(heat, ax=panels.ravel().tolist(), shrink=0.9, aspect=24, pad=0.015)
     bar.set_label("metric f·d, mean over seeds")
     bar.outline.set_visible(False)
