@@ -109,7 +109,7 @@ def measure(plan: Sizes, say: Callable[[str], None] = lambda _: None) -> pd.Data
 
 
 def world_of(kind: str, states: int) -> GridWorld:
-    """Return a square cut at random into small rooms, or a perfect maze, of about so many states, with goal A."""
+    """Return a square cut at random into small rooms, or a perfect maze, of about this many states, with goal A."""
     random = np.random.default_rng(states)
     grid = {"rooms": mazes.rooms, "maze": mazes.maze}[kind](random, states)
     return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, grid, "A")), kind)

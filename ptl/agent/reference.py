@@ -219,7 +219,7 @@ class ReferenceLearner:
         action : int
             0 to 3.
         learn : bool
-            Whether Q is updated; a method with an update of its own takes its steps without.
+            Whether Q is updated; a method with its own update takes its steps without.
         """
         state = self.state
         after = self._successors[state][action]

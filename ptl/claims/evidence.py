@@ -19,7 +19,7 @@ from ptl.measures.measures import BASE, BY_NAME, PER_SEED, Names
 from ptl.measures.statistics import Resampling
 from ptl.world.gridworld import GridWorld
 
-SEEDS_NEEDED = 10
+MIN_SEEDS = 10
 """Minimum number of runs for a verdict: the bootstrap of fewer values gives intervals that are too narrow."""
 
 
@@ -190,8 +190,8 @@ class Evidence:
 
 
 def _check_number(seeds: int, name: str) -> None:
-    if seeds < SEEDS_NEEDED:
-        raise MissingEvidence(f"{name}: {seeds} seeds, fewer than the {SEEDS_NEEDED} that a verdict needs")
+    if seeds < MIN_SEEDS:
+        raise MissingEvidence(f"{name}: {seeds} seeds, fewer than the {MIN_SEEDS} that a verdict needs")
 
 
 def settings_of(groups: Any) -> dict[str, Any]:

@@ -31,7 +31,7 @@ def completed(config: Mapping[str, Any]) -> Configuration:
     """Check a configuration and fill in the defaults.
 
     Environments that are null are left out, so that an overlay can remove environments. The article's
-    environments come first, whatever order the files were merged in.
+    environments come first, independent of the order of merging.
 
     Raises
     ------

@@ -107,7 +107,7 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: o
 def corridor_with_rooms(width: int = 4, depth: int = 4, corridor: int = 2, big: Sequence[int] = (10, 9)) -> str:
     """Return the text of a map like environment 2: a corridor, four small rooms on either side, a big room at its end.
 
-    The goals A to D lie opposite the doors of their rooms, each further along the corridor; E and F lie in the big room
+    The goals A to D are opposite the doors of their rooms, each further along the corridor; E and F are in the big room
     (the drawing is our choice).
 
     Parameters

@@ -176,7 +176,7 @@ def answers(
 
 
 def _verdicts(comparisons: Mapping[str, AgainstPTL], names: Sequence[str], looks: Mapping[str, Look]) -> str:
-    """Say which of some methods are cheaper than PTL in every family, dearer in every one, or neither."""
+    """Say which of some methods are cheaper than PTL in every family, more expensive in every family, or neither."""
     cheaper = [name for name in names if comparisons[name].less == comparisons[name].families]
     dearer = [name for name in names if comparisons[name].more == comparisons[name].families]
     rest = [name for name in names if name not in cheaper and name not in dearer]

@@ -1,4 +1,4 @@
-"""The population of maps that nobody chose: disjoint bands of seeds, and the table of all maps.
+"""The population of generated, not hand-picked maps: disjoint bands of seeds, and the table of all maps.
 
 Our choice throughout. The table lists every map with its hash, so that a changed generator, here or in numpy, is
 detected instead of giving other maps under the same names. See ``python -m studies.beyond.population --help`` for the

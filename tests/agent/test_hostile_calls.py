@@ -102,7 +102,7 @@ class Hostile:
         if spoilt == 5:
             good.flags.writeable = False
             return good
-        if spoilt == 6:  # no memory of its own
+        if spoilt == 6:  # does not own its memory
             return np.broadcast_to(good.reshape(-1)[:1] if good.size else good, self.one_of(shape, (10**4, *shape[1:])))
         if spoilt == 7:
             return good.tolist()

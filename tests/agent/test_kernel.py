@@ -106,7 +106,7 @@ def random_calls(
 ) -> None:
     """A random mixture of calls over several episodes, one beginning about every fourth call.
 
-    With ``open_calls`` also those of methods with single steps, an update or an exploration of their own.
+    With ``open_calls`` also those of methods with single steps, their own update or exploration.
     """
     n = world.n_states
     pair("begin_episode", world.start)

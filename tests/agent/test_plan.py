@@ -23,7 +23,7 @@ EPISODES, TRAJECTORIES = 12, 5
 
 
 class NotedPlan:
-    """A plan whose draws come from a stream of its own, and its notes."""
+    """A plan with its own random stream for draws, and its notes."""
 
     def __init__(self, guides: list[Guide | None], seed: int, **options: Any) -> None:
         random = np.random.default_rng(seed)

@@ -38,7 +38,7 @@ open("modules.json", "w").write(json.dumps(sorted(sys.modules)))
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    """The script, run once in a folder of its own: what it printed, and its numbers."""
+    """The script, run once in its own folder: its output and its numbers."""
     folder = tmp_path_factory.mktemp("argument")
     done = subprocess.run([sys.executable, "-c", RUN], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0 and not done.stderr, done.stderr[-3000:]

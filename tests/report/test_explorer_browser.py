@@ -408,7 +408,7 @@ def test_who_leads_in_a_first_episode_is_told(page, files):
 
 
 def test_a_cut_first_episode_says_so(browser, files, monkeypatch, tmp_path, read):
-    monkeypatch.setattr(replay, "RECORDED_STEPS", 30)
+    monkeypatch.setattr(replay, "MAX_RECORDED_STEPS", 30)
     [path] = [path for path in files if path.match("chain/no_transfer/seed_003.h5")]
     (tmp_path / "cut.html").write_text(build(collect(read_lives(path), window=WINDOW)), encoding="utf-8")
     page = Page(browser, (tmp_path / "cut.html").as_uri()).open(task="B")

@@ -1,4 +1,4 @@
-"""Whatever happens to a build or its folder, the next `make` mends it."""
+"""After any damage to a build or its folder, the next `make` repairs it."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ def kill_one_job(run: subprocess.Popen) -> bool:
 
 
 def disturb(project: Project, kill: Callable, moment: float, *arguments: str) -> bool:
-    """Start a run and kill it, or a part of it, after so many seconds; False if it was complete by then."""
+    """Start a run and kill it, or a part of it, after some seconds; False if it was complete by then."""
     run = start(project, *arguments)
     try:
         try:
@@ -198,7 +198,7 @@ def results_of(project: Project) -> list[Path]:
 
 
 def test_every_damage_is_found(kept, record_property):
-    """Whatever byte it is in: no exceptions, not even unused bytes."""
+    """A change of any byte is detected, even of unused ones."""
     chance = random.Random(SEED)
     tried = 0
     for path in results_of(kept):

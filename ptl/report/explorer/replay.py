@@ -23,7 +23,7 @@ from ptl.methods._base import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
 from ptl.methods.ptl import Method as PartialTransfer
 
-RECORDED_STEPS = 5000
+MAX_RECORDED_STEPS = 5000
 """Maximum number of recorded steps of a first episode (our choice, for the size of the page)."""
 
 OWN_GUIDE = -1
@@ -41,7 +41,7 @@ class Notes:
     chances : list of float arrays, shape (candidates,)
         Probability of each candidate at the beginning of each episode; empty if the method has its own selection rule.
     actions : uint8 array
-        Actions of the first episode, at most `RECORDED_STEPS`.
+        Actions of the first episode, at most `MAX_RECORDED_STEPS`.
     parts : list of [int, int]
         Parts of the first episode in order: the candidate that guided (0 for none, `OWN_GUIDE`) and its steps.
     """
@@ -114,7 +114,7 @@ class _Watched(BaseMethod):
         if self.notes.parts:
             learner.record(0)
             return self.method.run_episode(learner)
-        learner.record(RECORDED_STEPS)
+        learner.record(MAX_RECORDED_STEPS)
         watched = _WatchedLearner(learner, self._guides())
         drawn = self.method.run_episode(watched)
         self.notes.actions, self.notes.parts = learner.recorded, watched.parts
