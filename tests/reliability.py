@@ -90,7 +90,7 @@ def measure_jobs(folder: Path) -> list[tuple[str, str, float, float, float]]:
 
 
 def estimate(rows: list[tuple[str, str, float, float, float]]) -> list[tuple[str, str]]:
-    """Cost of a run with `SEEDS` seeds, from one job of each kind."""
+    """What a run with `SEEDS` seeds takes, from one job of each kind."""
     profile = yaml.safe_load((ROOT / "profiles/slurm/profile.yaml").read_text(encoding="utf-8"))
     per_group = int(dict(entry.split("=") for entry in profile["group-components"])["learning"])
     config = published()
