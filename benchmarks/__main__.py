@@ -11,7 +11,7 @@ import pandas as pd
 import yaml
 
 from benchmarks import jobs, pages, scaling, speed, surveys
-from benchmarks.learners import Task
+from benchmarks.learners import Problem
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.report.figures import saving
@@ -33,12 +33,12 @@ def main(arguments: list[str] | None = None) -> None:
     computer = pages.machine()
     config = yaml.safe_load((jobs.ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     maps = {name: str(jobs.ROOT / entry["map"]) for name, entry in config["environments"].items()}
-    place, letter, rounds, repeats, plan, overlay = "env1", "F", 11, 5, scaling.Plan(), None
+    place, letter, rounds, repeats, plan, overlay = "env1", "F", 11, 5, scaling.Sizes(), None
     trajectories = scaling.TRAJECTORIES
     if options.quick:
         place, letter, rounds, repeats, plan = "env2", "A", 2, 2, scaling.QUICK
         maps, trajectories, overlay = {place: maps[place]}, 1, str(jobs.ROOT / "config/smoke.yaml")
-    task = Task(load_map(maps[place]), letter)
+    task = Problem(load_map(maps[place]), letter)
     summary = pages.summarise(
         pd.concat(
             [

@@ -10,7 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jax import lax
 
-from benchmarks.learners import Task
+from benchmarks.learners import Problem
 
 jax.config.update("jax_enable_x64", True)  # the other learners hold Q in double precision too
 jax.config.update("jax_platforms", "cpu")
@@ -23,7 +23,7 @@ known to the compiler, is ten to sixty times slower."""
 class JaxLoop:
     """The whole run of episodes as one compiled loop."""
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Problem, seed: int) -> None:
         self._q = jnp.zeros(task.successors.shape)
         self._key = jax.random.key(seed)
         numbers = (task.start, task.goal, task.alpha, task.gamma, task.epsilon)

@@ -1,4 +1,4 @@
-"""What one learning job and a whole run take."""
+"""Time of one learning job and of a whole run."""
 
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ ROOT = Path(__file__).resolve().parents[1]
 def measure_jobs(map_path: str, methods: Iterable[str], repeats: int) -> pd.DataFrame:
     """Time ``ptl learn`` on all tasks of a map, all methods in turn.
 
-    Learning is timed in this process, after the imports; what is left of a job's time is its start-up, its checks and
-    its file.
+    Learning is timed in this process, after the imports; the rest of a job's time is start-up, checks and writing
+    the file.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def measure_run(configuration: str | None = None) -> pd.DataFrame:
     -------
     DataFrame
         Columns ``part``, ``item`` (rule, or ``whole run``), ``quantity``, ``value``; wall times of jobs are those that
-        Snakemake records beside every product.
+        Snakemake records for every product.
     """
     cores = os.cpu_count() or 1
     smoke = yaml.safe_load((ROOT / "config/smoke.yaml").read_text(encoding="utf-8"))
@@ -122,5 +122,5 @@ def cpu_seconds(command: list[str], folder: Path | None = None) -> float:
 
 
 def _script(name: str) -> str:
-    """Return the path of a script that is installed beside this Python."""
+    """Return the path of a script in the environment of this Python."""
     return str(Path(sys.executable).with_name(name))

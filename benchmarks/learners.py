@@ -1,4 +1,4 @@
-"""Learners of one task that are timed beside each other.
+"""Learners of one task whose speeds are compared.
 
 All do tabular one-step Q-learning with the same alpha, gamma and epsilon, ties broken uniformly and no step limit, on
 the same map. An instance learns one task; only ``run`` is timed.
@@ -19,7 +19,7 @@ from ptl.world.gridworld import GridWorld
 
 
 @dataclass(frozen=True)
-class Task:
+class Problem:
     """A task with the parameters of Q-learning.
 
     Attributes
@@ -53,7 +53,7 @@ class Task:
 
 
 class Timed(Protocol):
-    """What can be timed."""
+    """A learner or walk that can be timed."""
 
     def run(self, episodes: int) -> int:
         """Do some episodes from the start to the goal; return the number of primitive steps."""
@@ -63,7 +63,7 @@ class Timed(Protocol):
 class Kernel:
     """The compiled kernel of the package; with ``shortcut``, two steps at a time where Q is zero all around."""
 
-    def __init__(self, task: Task, seed: int, shortcut: bool = True) -> None:
+    def __init__(self, task: Problem, seed: int, shortcut: bool = True) -> None:
         self._start = task.start
         self._learner = Learner(
             Dynamics(task.successors),
@@ -94,7 +94,7 @@ class Kernel:
 class PlainLoop:
     """Plain Python: one loop over lists, no calls but those of the standard library."""
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Problem, seed: int) -> None:
         self._task = task
         self._successors: list[list[int]] = task.successors.tolist()
         self._random = random.Random(seed)
@@ -129,7 +129,7 @@ class PlainLoop:
 class GymnasiumLoop:
     """The usual tutorial: a Gymnasium environment, a numpy Q-table and a numpy Generator."""
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Problem, seed: int) -> None:
         from ptl.world.gymnasium_env import GridWorldEnv
 
         self._world = GridWorldEnv(task.world, task.letter)
@@ -161,13 +161,13 @@ class Mdplib:
     """The Q-learning of mdplib, a library of tabular methods in C++.
 
     Its epsilon falls from 1 and ties go to its first action, so it has the step distribution of the others only where
-    every action is random: its epsilon is held at 1, whatever the task says. It knows no episodes: the goal leads to
-    the start, and `run` takes `STEPS` steps whatever the number of episodes.
+    every action is random: its epsilon is fixed at 1, regardless of the task. It has no episodes: the goal leads to
+    the start, and `run` takes `STEPS` steps regardless of the number of episodes.
     """
 
     STEPS = 1_000_000
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Problem, seed: int) -> None:
         from mdp.core import MDP
 
         self._task, self._seed = task, seed
@@ -193,5 +193,5 @@ class Mdplib:
 
     @property
     def values(self) -> np.ndarray:
-        """Largest action value of each state, float array (n_states,)."""
+        """Maximum action value of each state, float array (n_states,)."""
         return np.array(self._model.value)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numba
 import numpy as np
 
-from benchmarks.learners import Task
+from benchmarks.learners import Problem
 
 
 class NumbaLoop:
     """One loop over arrays."""
 
-    def __init__(self, task: Task, seed: int) -> None:
+    def __init__(self, task: Problem, seed: int) -> None:
         self.q = np.zeros(task.successors.shape)
         generator = np.random.default_rng(seed)
         parameters = (task.alpha, task.gamma, task.epsilon)
@@ -30,7 +30,7 @@ class BareWalk:
     With ``stride`` 2 a look-up gives the state two steps on; the step that would leave the goal counts as well.
     """
 
-    def __init__(self, task: Task, seed: int, stride: int = 1) -> None:
+    def __init__(self, task: Problem, seed: int, stride: int = 1) -> None:
         table = task.successors.copy()
         table[task.goal] = task.goal
         if stride == 2:
@@ -95,8 +95,8 @@ def _walk(table: np.ndarray, bits: int, start: int, goal: int, words: np.ndarray
     table : uint32 array, shape (n_states * 2**bits,)
         Index of the first of the next state's entries; ``start`` and ``goal`` are such indices too.
     words : uint64 array, shape (k,)
-        Random words. They are reused, each time under another mask: the same words again could lead round in a circle
-        for ever.
+        Random words. They are reused, each time under another mask, because the same words could lead to an endless
+        cycle.
     """
     lookups, place, left = 0, 0, 0
     word, shift, mask = np.uint64(0), np.uint64(bits), np.uint64((1 << bits) - 1)

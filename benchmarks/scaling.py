@@ -31,14 +31,14 @@ LIFE = 10
 """Tasks of a life on maps of growing size."""
 
 GOALS = 5
-"""Goals of a sampled start, enough to hide what a start itself costs."""
+"""Goals of a sampled start, enough to make the cost of a start negligible."""
 
 Costs = Iterator[tuple[str, float]]
 """Quantities, each with its value; times are CPU seconds."""
 
 
 @dataclass(frozen=True)
-class Plan:
+class Sizes:
     """Sizes to measure, and how much of the larger work is timed.
 
     Attributes
@@ -51,7 +51,7 @@ class Plan:
         Steps over which the time of one is measured.
     goals, starts, lives : int
         Goals of the survey with trees, starts of the survey with every step simulated, and lives: each divided by the
-        number of states, but 3 at least.
+        number of states, but at least 3.
     """
 
     states: tuple[int, ...] = (300, 1000, 3000, 10_000)
@@ -64,10 +64,10 @@ class Plan:
     lives: int = 30_000
 
 
-QUICK = Plan((60, 120), (1, 5), (2, 4), 100, 20_000, 1, 1, 1)
+QUICK = Sizes((60, 120), (1, 5), (2, 4), 100, 20_000, 1, 1, 1)
 
 FITTED_FROM = {"states": 900, "skills": 100, "tasks": 10}
-"""Exponents are fitted to sizes from these on; below them constant costs hide the growth."""
+"""Minimum sizes for the fit of exponents; below them constant costs hide the growth."""
 
 PANELS = {
     "Work around the episodes": ("states", ("read the map", "lay out the tables", "discovery and library update")),
@@ -80,7 +80,7 @@ PANELS = {
 """Panels of the figure: the size along which cost grows, and the quantities."""
 
 
-def measure(plan: Plan, say: Callable[[str], None] = lambda _: None) -> pd.DataFrame:
+def measure(plan: Sizes, say: Callable[[str], None] = lambda _: None) -> pd.DataFrame:
     """Make all measurements of a plan.
 
     Returns
@@ -109,14 +109,14 @@ def measure(plan: Plan, say: Callable[[str], None] = lambda _: None) -> pd.DataF
 
 
 def world_of(kind: str, states: int) -> GridWorld:
-    """Return a square cut at random into small rooms, or a perfect maze, of about so many states, with goal A."""
+    """Return a square cut at random into small rooms, or a perfect maze, of about this many states, with goal A."""
     random = np.random.default_rng(states)
     grid = {"rooms": mazes.rooms, "maze": mazes.maze}[kind](random, states)
     return GridWorld.from_text(mazes.to_text(mazes.with_letters(random, grid, "A")), kind)
 
 
 def least_seconds(work: Callable[[], Any], repeats: int = 3, calls: int = 1) -> float:
-    """Return the CPU seconds of a call: the mean of so many, the least of several repeats."""
+    """Return the CPU seconds of a call: the mean of a number of calls, the minimum over repeats."""
     seconds = []
     for _ in range(repeats):
         begin = time.process_time()
@@ -126,8 +126,8 @@ def least_seconds(work: Callable[[], Any], repeats: int = 3, calls: int = 1) -> 
     return min(seconds)
 
 
-def by_states(world: GridWorld, plan: Plan) -> Costs:
-    """Yield what a map costs: reading, tables, a step, discovery, figure 8's survey and a life.
+def by_states(world: GridWorld, plan: Sizes) -> Costs:
+    """Yield the costs of a map: reading, tables, a step, discovery, figure 8's survey and a life.
 
     A survey is timed on a sample of all pairs and scaled up; the relative standard error comes from the sample.
     """
@@ -161,7 +161,7 @@ def by_states(world: GridWorld, plan: Plan) -> Costs:
 
 
 def by_skills(world: GridWorld, size: int) -> Costs:
-    """Yield what a library of so many skills costs: the prior, a selection, the likelihood and an update."""
+    """Yield the costs of a library with a number of skills: the prior, a selection, the likelihood and an update."""
     random = np.random.default_rng(0)
     subgoals = random.choice(world.n_states, size=size, replace=False).tolist()
     goal, policy = world.goals["A"], np.zeros(world.n_states, dtype=np.int8)
@@ -201,8 +201,8 @@ def with_exponents(measured: pd.DataFrame) -> pd.DataFrame:
 def power_law(sizes: np.ndarray, values: np.ndarray) -> tuple[float, float, float]:
     """Return the exponent of the power law through positive values, with its 95% interval.
 
-    Least squares on logarithms; the interval is Student's, which takes the scatter around the line to be noise. With
-    fewer than two sizes there is no exponent (nan), with two no interval.
+    Least squares on logarithms; the interval is Student's, which assumes that the scatter around the line is noise.
+    With fewer than two sizes the exponent is undefined (nan), with two the interval.
     """
     if len(sizes) < 2:
         return np.nan, np.nan, np.nan

@@ -10,13 +10,13 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from benchmarks.learners import GymnasiumLoop, Kernel, Mdplib, PlainLoop, Task, Timed
+from benchmarks.learners import GymnasiumLoop, Kernel, Mdplib, PlainLoop, Problem, Timed
 
 EPISODES = 200
 """Episodes of the task, as in the published run."""
 
 SAMPLED_EVERY = 20
-"""A learner too slow for the whole task runs one episode in so many."""
+"""A learner too slow for the whole task runs one in this many episodes."""
 
 BASE = "plain Python, one loop"
 """The learner whose rate is 1 in the column of ratios."""
@@ -39,7 +39,7 @@ class Entry:
     """
 
     label: str
-    make: Callable[[Task, int], Timed]
+    make: Callable[[Problem, int], Timed]
     workload: str = "whole"
     limit: str = ""
 
@@ -86,7 +86,7 @@ def all_entries() -> list[Entry]:
 
 
 def measure(
-    task: Task,
+    task: Problem,
     entries: Iterable[Entry],
     rounds: int,
     episodes: int = EPISODES,
@@ -98,7 +98,7 @@ def measure(
     Parameters
     ----------
     min_seconds : float
-        CPU seconds of a measurement at least; a fast learner learns the task several times.
+        Minimum CPU seconds of a measurement; a fast learner learns the task several times.
     say : callable
         Called with a line at the start of each round.
 
@@ -131,7 +131,7 @@ def published() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["part", "item", "quantity", "value", "source"])
 
 
-def _stages(task: Task, episodes: int) -> list[np.ndarray]:
+def _stages(task: Problem, episodes: int) -> list[np.ndarray]:
     """Return Q before every twentieth episode of a task as the kernel learns it."""
     kernel, stages = Kernel(task, 0), []
     for _ in range(0, episodes, SAMPLED_EVERY):
@@ -140,7 +140,7 @@ def _stages(task: Task, episodes: int) -> list[np.ndarray]:
     return stages
 
 
-def _rate(entry: Entry, task: Task, stages: list[np.ndarray], seed: int, episodes: int, min_seconds: float) -> float:
+def _rate(entry: Entry, task: Problem, stages: list[np.ndarray], seed: int, episodes: int, min_seconds: float) -> float:
     if entry.workload == "cold":
         task = replace(task, alpha=0.0)
     starts = stages if entry.workload == "sampled" else [None]

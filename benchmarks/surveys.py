@@ -46,7 +46,7 @@ def costs(world: GridWorld, method: str, groups: Iterable[Pairs], trajectories: 
 
 
 def all_pairs(world: GridWorld, batch: int, batches: int) -> list[Pairs]:
-    """Return all pairs of every so many-th state; all batches together hold each ordered pair of a map once."""
+    """Return the pairs of every n-th state; all batches together have each ordered pair of a map once."""
     states = np.arange(world.n_states)
     return [(int(state), np.delete(states, state)) for state in states[batch::batches]]
 

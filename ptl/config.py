@@ -1,6 +1,6 @@
 """The configuration: every key with its default, its range, where the default comes from and a sentence on it.
 
-The classes below are the only place that says so. The checks of runs, studies and single jobs,
+The classes below are the only definition. The checks of runs, studies and single jobs,
 the defaults of jobs and ``config/README.md`` all follow from them. To add a key, add a field and use it.
 
 A mark says where a default comes from: the text of the article (`STATED`), a cited work or a public re-implementation

@@ -29,7 +29,7 @@ grows with more than the square of the number of states."""
 
 
 def shared_folder(name: str) -> Path:
-    """Return a folder that an installation has in the package and a checkout beside it."""
+    """Return a folder that is inside the package in an installation, and next to it in a checkout."""
     installed = PACKAGE / name
     return installed if installed.is_dir() else PACKAGE.parent / name
 
@@ -50,26 +50,26 @@ def new_study(
     episodes: int | None = None,
     chosen: Sequence[str] = (),
 ) -> dict[str, Any]:
-    """Make a folder in which the workflow runs on maps of one's own, and return its configuration.
+    """Make a folder in which the workflow runs on a user's maps, and return its configuration.
 
     Parameters
     ----------
     folder : path
-        Must be absent or empty; the run is called after it.
+        Must be absent or empty; the run gets its name.
     maps : sequence of paths
-        Each map becomes an environment, called after the file's stem.
+        Each map becomes an environment, named after the file's stem.
     tasks : sequence of str
         Goal letters in the order in which they are learned: ``"BAC"`` for every map, ``"maze=BAC"`` for one.
         By default all goals of a map in alphabetical order.
     seeds, episodes : int, optional
     chosen : sequence of str
         Methods as `ptl.methods` names them. Files, and modules of the current folder, are copied into the study with
-        what they import from there. By default all built-in methods.
+        their imports from there. By default all built-in methods.
 
     Raises
     ------
     UserError
-        One line on the first thing that is wrong, before anything is written.
+        One line on the first error, before anything is written.
     """
     run = run_name(folder)
     places: dict[str, Path] = {}
@@ -79,7 +79,7 @@ def new_study(
         places[name] = path
     worlds = {name: load_map(path) for name, path in places.items()}
     orders = _orders(tasks, {name: list(world.goals) for name, world in worlds.items()})
-    built_in = sorted(methods.names(), key=lambda name: name != BASE)  # the base first, as readers look for it
+    built_in = sorted(methods.names(), key=lambda name: name != BASE)  # the base first, as readers expect it
     references = methods.by_identifier(chosen or built_in).values()
     for reference in references:
         check_method(reference)
@@ -104,7 +104,7 @@ def new_study(
 
 
 def run_name(folder: Path) -> str:
-    """Return what the run in a new folder is called; refuse a folder that is in use."""
+    """Return the name of the run in a new folder; refuse a folder that is in use."""
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise UserError(f"{folder}: exists already; name a folder that is absent or empty")
     return re.sub(r"[^A-Za-z0-9_-]", "_", folder.resolve().name).lstrip("_-") or "study"

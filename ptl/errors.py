@@ -10,7 +10,7 @@ def printable(text: str) -> str:
 
 
 class UserError(Exception):
-    """Something the user can mend: one line that names the file, key or cell, the fault and the remedy.
+    """An error that the user can correct: one line that names the file, key or cell, the fault and the remedy.
 
     The command line prints it as ``error: <line>`` and exits with status 1, without a traceback. Texts from outside
     may be put into the line as they are: their control characters are shown as escapes.

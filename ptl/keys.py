@@ -1,4 +1,4 @@
-"""Typed keys of a configuration: what is said about them, how values are checked, and the message for a wrong one."""
+"""Typed keys of a configuration: their descriptions, the check of values, and the messages for wrong values."""
 
 import math
 from collections.abc import Collection, Iterator, Mapping
@@ -148,7 +148,7 @@ def allowed(kind: Any) -> str:
         meta = arguments[1]
         if meta.extra and meta.extra["wanted"]:
             return meta.extra["wanted"]
-        # numbers as they are written, because a change of ptl.text shall not rerun all learning
+        # numbers as they are written, because a change of ptl.text should not rerun all learning
         bounds = {">": meta.gt, ">=": meta.ge, "<": meta.lt, "<=": meta.le}
         limits = " and ".join(f"{sign} {bound:,}" for sign, bound in bounds.items() if bound is not None)
         return f"{allowed(arguments[0])} {limits}".rstrip()

@@ -7,7 +7,7 @@ from numbers import Integral
 
 MINUS = "−"
 MISSING = "–"
-"""Stands for a value that does not exist."""
+"""Text for a missing value."""
 
 
 def number(value: float) -> str:

@@ -1,1 +1,1 @@
-"""Studies beside the reproduction, a folder each; deleting a folder removes its study."""
+"""Studies that extend the reproduction, one folder each; deleting a folder removes its study."""

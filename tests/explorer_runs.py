@@ -41,7 +41,7 @@ def write_runs(folder: Path) -> list[Path]:
 
 
 class Stored(NamedTuple):
-    """What a learning file holds."""
+    """Contents of a learning file."""
 
     job: Learn
     world: GridWorld

@@ -9,7 +9,7 @@ import pandas as pd
 from projects import FIRST_MAPS
 
 from ptl.claims.evidence import Evidence, settings_of
-from ptl.learning.discoveries import Found
+from ptl.learning.discoveries import SubgoalRow
 from ptl.measures.measures import Runs, measure
 from ptl.world.gridworld import load_map
 
@@ -26,11 +26,11 @@ GROUPS = SimpleNamespace(
 
 
 class MadeUpRun:
-    """A run as the article would have it: what it says of every curve, subgoal and library comes true.
+    """A run that agrees with the article's statements on every curve, subgoal and library.
 
-    ``curves`` holds for each environment, method and task: steps of the first episode, steps of the episodes
+    ``curves`` gives for each environment, method and task: steps of the first episode, steps of the episodes
     from the second to the last slow one, that one's number, steps at the end in shortest paths, and episodes
-    that are spikes. ``peaks`` holds the peaks of both metrics, incremental and original, as cells.
+    that are spikes. ``peaks`` gives the peaks of both metrics, incremental and original, as cells.
     ``more_subgoals`` are rows added to the table of subgoals.
     """
 
@@ -114,7 +114,7 @@ class MadeUpRun:
                 self.worlds[key[0]].state_at(*cells[TASKS.index(key[2])]) for cells in self.peaks[key[0]]
             )
             values = (incremental, 9.0, 0.8, "added", incremental, original)
-            found = {name: np.full(seeds, value) for name, value in zip(Found._fields, values, strict=True)}
+            found = {name: np.full(seeds, value) for name, value in zip(SubgoalRow._fields, values, strict=True)}
         return Runs(*key, np.arange(seeds), self.steps(key, seeds), np.zeros(seeds, dtype=int), found)
 
     def steps(self, key, seeds):

@@ -1,4 +1,4 @@
-"""The learners of the benchmark learn the same task alike, and what is measured is summarised and shown rightly."""
+"""The learners of the benchmark learn the same task alike; measurements are summarised and shown correctly."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 
 from benchmarks import __main__ as program
 from benchmarks import jobs, pages, scaling, speed, surveys
-from benchmarks.learners import GymnasiumLoop, Kernel, Mdplib, PlainLoop, Task
+from benchmarks.learners import GymnasiumLoop, Kernel, Mdplib, PlainLoop, Problem
 from ptl.files.csv import write_csv
 from ptl.report import readme
 from ptl.world.gridworld import GridWorld
@@ -48,8 +48,8 @@ def bare_walk(*arguments):
 LEARNERS = [Kernel, EVERY_STEP, PlainLoop, GymnasiumLoop, numba_loop, jax_loop]
 
 
-def small_task(**options: float) -> Task:
-    return Task(SMALL, "A", **options)
+def small_task(**options: float) -> Problem:
+    return Problem(SMALL, "A", **options)
 
 
 def optimal_values(successors: np.ndarray, goal: int, gamma: float, goes_on: bool = False) -> np.ndarray:

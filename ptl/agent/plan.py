@@ -1,7 +1,7 @@
 """A plan: one episode of a method, described instead of programmed.
 
-The loop over episodes is `ptl.agent._episodes.run_episodes`. It does in compiled code what `Plan.run` says in Python:
-the same calls of the learner, the same random numbers, the same results (tests hold them together).
+The loop over episodes is `ptl.agent._episodes.run_episodes`. It is the compiled form of `Plan.run`:
+the same calls of the learner, the same random numbers, the same results (tests compare them).
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 if TYPE_CHECKING:
     from ptl.agent._kernel import Learner
 
-LONGEST_PATIENCE = 1e18
-"""Steps that no episode takes; a patience that grows beyond counts as this."""
+MAX_PATIENCE = 1e18
+"""Maximum patience in steps, more than any episode takes; a patience that grows further is cut to it."""
 
 
 class Leader(Protocol):
@@ -80,7 +80,7 @@ class Plan:
 
     A guide with an initiation set also leads wherever exploring comes to a state of the set in which all action values
     are equal, so that nothing is known there yet, each state once an episode; when patience runs out, the agent
-    explores as many steps again without it (our choice: the goal may lie where the guide never leads).
+    explores as many steps again without it (our choice: the goal may be where the guide never leads).
     """
 
     draw: Callable[[], int] | None = None
@@ -107,7 +107,7 @@ class Plan:
             if self.draw is not None:
                 drawn.append(self.draw())
                 guide = None if self.guide is None else self.guide(drawn[-1])
-            budget = None if patience is None else max(1, round(min(patience, LONGEST_PATIENCE)))
+            budget = None if patience is None else max(1, round(min(patience, MAX_PATIENCE)))
             if guide is not None:
                 self._lead(learner, guide)
                 if guide.initiation is not None:

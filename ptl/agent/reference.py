@@ -219,7 +219,7 @@ class ReferenceLearner:
         action : int
             0 to 3.
         learn : bool
-            Whether Q is updated; a method with an update of its own takes its steps without.
+            Whether Q is updated; a method with its own update takes its steps without.
         """
         state = self.state
         after = self._successors[state][action]
@@ -327,9 +327,7 @@ class ReferenceLearner:
                 added, allowed = (None if table is None else table[here] for table in (bonus, mask))
                 self.act(self.choose(epsilon, bonus=added, mask=allowed))
 
-    def follow(
-        self, policy: Sequence[int] | np.ndarray, subgoal: int | None = None, budget: int | None = None
-    ) -> None:
+    def follow(self, policy: Sequence[int] | np.ndarray, subgoal: int | None = None, budget: int | None = None) -> None:
         """Follow a policy until its subgoal, a state where it is undefined, or an end as in `explore`.
 
         Parameters
@@ -396,5 +394,5 @@ class ReferenceLearner:
 
 
 def _threshold(probability: float) -> int:
-    """Return the number of half words out of 2**32 that stand for a probability."""
+    """Return the number of half words out of 2**32 that represent a probability."""
     return int(probability * TWO_32)

@@ -68,7 +68,7 @@ def prior_of_distances(
     if not unit > 0:
         raise ValueError(f"the width of the prior must be above 0, not {unit}")
     possible = np.ones(len(distance), dtype=bool) if allowed is None else allowed
-    # logarithms relative to the nearest candidate: its own is 0, whatever overflows for the others
+    # logarithms relative to the nearest candidate: its own is 0, even if others overflow
     beyond = distance - distance[possible].min()
     with np.errstate(over="ignore"):
         if form == "exponential":

@@ -49,7 +49,7 @@ class SkillLibrary:
     novelty : float
         rho: the unknown rest of the paths must be at least this share of the diameter of the visited part.
     threshold : float
-        theta: least value of the greatest incremental metric.
+        theta: minimum value of the greatest incremental metric.
     finder : function
         Scores the states, see `ptl.agent.finders`.
     """
@@ -90,9 +90,9 @@ class SkillLibrary:
     def update(self, discovery: Discovery, graph: TransitionGraph, task_index: int) -> Update:
         """Add the state that the finder scores highest as a skill if three tests are passed (our choice).
 
-        The rests are long enough, the incremental metric is high enough somewhere, and the subgoal is new: the first
-        two say whether a skill is needed, whatever the finder, which says where. Ties go to the state with the lowest
-        number.
+        A skill is added if the unknown parts of the paths are long enough, the incremental metric reaches its threshold
+        somewhere and the subgoal is new. The first two determine whether a skill is needed, independent of the finder,
+        which determines where. Ties go to the state with the lowest number.
         """
         highest = discovery.incremental.product.max()
         if discovery.novelty < self.novelty * discovery.diameter:

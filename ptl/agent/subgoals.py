@@ -86,7 +86,7 @@ class Discovery:
     novelty : float
         Mean length of the rests in steps.
     diameter : int
-        Longest shortest path between visited states, in steps.
+        Maximum length of a shortest path between visited states, in steps.
     paths : sequence of int arrays
         The loop-erased paths, from the task's start to its goal.
     """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from ptl.claims.evidence import Evidence, Lacking
+from ptl.claims.evidence import Evidence, MissingEvidence
 from ptl.claims.verdict import Part, Verdict, decide
 
 Check = Callable[[Evidence], Iterator[Part | str]]
@@ -32,20 +32,20 @@ class Claim:
     check: Check
 
     def judge(self, evidence: Evidence) -> Judgement:
-        """Return the verdict on the claim; it is undecided if the evidence lacks something."""
+        """Return the verdict on the claim; it is undecided if evidence is missing."""
         try:
-            found = list(self.check(evidence))
-        except Lacking as lack:
+            items = list(self.check(evidence))
+        except MissingEvidence as lack:
             return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
-        parts = tuple(item for item in found if isinstance(item, Part) and not item.plain)
-        plain = tuple(item for item in found if isinstance(item, Part) and item.plain)
-        notes = tuple(item for item in found if isinstance(item, str))
+        parts = tuple(item for item in items if isinstance(item, Part) and not item.plain)
+        plain = tuple(item for item in items if isinstance(item, Part) and item.plain)
+        notes = tuple(item for item in items if isinstance(item, str))
         return Judgement(self, decide(parts), parts, notes, plain=plain)
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """The verdict on a claim with its parts and notes; ``reason`` names what the evidence lacks.
+    """The verdict on a claim with its parts and notes; ``reason`` names the missing evidence.
 
     ``parts`` and ``verdict`` follow the strict reading of the claim, ``plain`` and ``plain_verdict`` the plain one, if
     its words admit both.

@@ -1,4 +1,4 @@
-"""The comparisons that claims are made of.
+"""The comparisons that make up claims.
 
 Where the tables have the same number, the interval is the same too: same name, same random stream.
 """
@@ -9,8 +9,8 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
-from ptl.claims.evidence import Evidence, Lacking
-from ptl.claims.thresholds import FAR, MOST
+from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.thresholds import FAR, MAJORITY
 from ptl.claims.verdict import Part, above, below
 from ptl.measures import statistics
 from ptl.measures.measures import BASE, BY_NAME, MEASURES
@@ -107,8 +107,8 @@ def times_as_many_episodes(evidence: Evidence, environment: str, task: str, meth
     """Return the mean episodes to threshold of the other method over those of the method."""
     own, others = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
     own, others = (
-        np.nan_to_num(found, nan=float(evidence.curve(environment, name, task).shape[1]))
-        for found, name in ((own, method), (others, other))
+        np.nan_to_num(times, nan=float(evidence.curve(environment, name, task).shape[1]))
+        for times, name in ((own, method), (others, other))
     )
     generator = named_generator(environment, task, method, other, "times_as_many_episodes")
     return statistics.ratio_of_means(others, own, evidence.how, generator)
@@ -152,7 +152,7 @@ def improves_together(evidence: Evidence, environment: str, method: str, measure
         return above(f"{text}, probability of being quicker", estimate, 0.5)
     pairs = [evidence.pair((environment, task, method), (environment, task, BASE), metric) for task in TRANSFER_TASKS]
     if len({len(own) for own, _ in pairs}) > 1:
-        raise Lacking(f"{environment}: the tasks of method {method} have different seeds")
+        raise MissingEvidence(f"{environment}: the tasks of method {method} have different seeds")
     own, base = np.sum(pairs, axis=0)
     generator = named_generator(environment, "together", method, measure)
     if chosen.unit != "steps":
@@ -178,7 +178,7 @@ def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task:
 
 def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
     """Return the part that claims that most runs are hits."""
-    return above(f"{text}, share of runs", share(evidence, hits), MOST)
+    return above(f"{text}, share of runs", share(evidence, hits), MAJORITY)
 
 
 def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
@@ -199,23 +199,23 @@ def elsewhere(
         (SUPERVISED, LAST_TASK),
         (UNKNOWN, LAST_TASK),
     ]
-    found = []
+    texts = []
     for method, task in cases:
         try:
             own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
-        except Lacking:
+        except MissingEvidence:
             continue
-        found.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
-    if found:
-        yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(found)}"
+        texts.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
+    if texts:
+        yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(texts)}"
 
 
 def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
     """Note the number of seeds that never reach the threshold and so enter means with the length of the task."""
-    found = []
+    texts = []
     for method in methods:
         missing = int(np.isnan(evidence.values(environment, task, method, "threshold_episode")).sum())
         if missing:
-            found.append(f"{method} {missing}")
-    if found:
-        yield f"seeds that never reach the threshold, counted with all their episodes: {', '.join(found)}"
+            texts.append(f"{method} {missing}")
+    if texts:
+        yield f"seeds that never reach the threshold, counted with all their episodes: {', '.join(texts)}"

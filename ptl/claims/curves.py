@@ -9,8 +9,8 @@ import numpy as np
 
 from ptl.claims import comparisons as c
 from ptl.claims.claim import claim
-from ptl.claims.evidence import Evidence, Lacking
-from ptl.claims.thresholds import MOST, SPIKE
+from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.thresholds import MAJORITY, SPIKE
 from ptl.claims.verdict import Part, above, in_plain_reading
 from ptl.measures import statistics
 from ptl.measures.statistics import named_generator
@@ -28,7 +28,7 @@ def blocks(curve: np.ndarray, length: int) -> np.ndarray:
 def spikes(curve: np.ndarray, length: int) -> np.ndarray:
     """Count the episodes of each seed that are far longer than the ``length`` before, int array (seeds,)."""
     if curve.shape[1] <= length:
-        raise Lacking(f"no episode comes after the first {length} (measures.window)")
+        raise MissingEvidence(f"no episode comes after the first {length} (measures.window)")
     before = np.lib.stride_tricks.sliding_window_view(curve[:, :-1], length, axis=1)
     return np.count_nonzero(curve[:, length:] >= SPIKE * np.median(before, axis=2), axis=1)
 
@@ -69,7 +69,7 @@ def reuse_spikes(evidence: Evidence) -> Iterator[Part]:
     for environment in ENVIRONMENTS:
         curves = evidence.curves(environment, (c.REUSE, c.BASE), c.LAST_TASK)
         reuse, base = (spikes(curve, evidence.window) for curve in curves)
-        yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MOST)
+        yield above(f"{environment}, share of runs of {c.REUSE} with a spike", c.share(evidence, reuse > 0), MAJORITY)
         generator = named_generator(environment, c.REUSE, "spikes")
         more = statistics.mean_difference(reuse, base, evidence.how, generator)
         yield above(f"{environment}, spikes a run, {c.REUSE} minus {c.BASE}", more, 0.0)

@@ -1,6 +1,6 @@
-"""The decision: the run's claims on many more seeds than its tables have, learned in few jobs.
+"""Decide the run's claims on many more seeds than its tables have, learned in few jobs.
 
-The random numbers are others than those of the tables, so a claim is decided by runs that the tables do not show.
+The random streams differ from those of the tables, so a claim is decided by runs that the tables do not show.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ptl.world.gridworld import GridWorld
 
 
 def decision_jobs(run: Configuration, maps: Digests) -> dict[str, Lives | Libraries]:
-    """Return the jobs by place; environments and methods that no claim speaks of have none."""
+    """Return the jobs by place; environments and methods that no claim mentions have none."""
     seeds = {FULL: run.decision.full_transfer_seeds, BASE: run.decision.no_transfer_seeds}
     jobs: list[Lives | Libraries] = [
         Lives(

@@ -11,7 +11,7 @@ from ptl.claims import comparisons as c
 from ptl.claims import places
 from ptl.claims.claim import claim
 from ptl.claims.evidence import Evidence
-from ptl.claims.thresholds import ABOUT, ABOUT_POINTS, AT, MOST
+from ptl.claims.thresholds import ABOUT, ABOUT_POINTS, AT, MAJORITY
 from ptl.claims.verdict import Part, above, below, between, in_plain_reading
 from ptl.text import percent
 
@@ -34,23 +34,23 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     goals = {task: evidence.goal(ENV, task) for task in TASKS}
     at_newest = {task: places.near(world, [places.newest_doorway(world, goal)], AT) for task, goal in goals.items()}
 
-    def found(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
+    def hits(metric: str, tasks: str, where: dict[str, np.ndarray]) -> np.ndarray:
         peaks = {task: evidence.peaks(ENV, c.PTL, task, metric) for task in tasks}
         return np.column_stack([(peaks[task] >= 0) & where[task][peaks[task]] for task in tasks])
 
-    anywhere = found("incremental", TASKS, dict.fromkeys(TASKS, at_any))
-    newest = found("incremental", TASKS, at_newest)
-    original = found("original", c.TRANSFER_TASKS, at_newest)
+    anywhere = hits("incremental", TASKS, dict.fromkeys(TASKS, at_any))
+    newest = hits("incremental", TASKS, at_newest)
+    original = hits("original", c.TRANSFER_TASKS, at_newest)
     name = (ENV, "subgoals")
-    yield above("incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MOST)
-    yield above("incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MOST)
+    yield above("incremental metric, share of subgoals on a doorway", c.mean_share(evidence, anywhere, *name), MAJORITY)
+    yield above("incremental metric, share on the newest doorway", c.mean_share(evidence, newest, *name), MAJORITY)
     yield below(
         "original metric, share on the newest doorway, tasks B to F",
         c.mean_share(evidence, original, *name),
-        MOST,
+        MAJORITY,
     )
     yield f"doorways and their neighbours are {percent(at_any.mean())} of the states"
-    exactly = found("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
+    exactly = hits("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
     yield f"runs with all subgoals on doorways: {anywhere.all(axis=1).sum()} of {len(anywhere)}"
     yield f"on the very cell of a doorway, not beside it: {exactly.sum()} of {exactly.size} subgoals"
 
@@ -115,7 +115,7 @@ def asymptotic(evidence: Evidence) -> Iterator[Part]:
 @claim("E1-80", "PTL learns task F in about 80 episodes.", shown_in="table1 figure12")
 def eighty_episodes(evidence: Evidence) -> Iterator[Part | str]:
     """Count a task as learned below the threshold of the tables."""
-    yield above("share of runs that reach the threshold", c.reached(evidence, ENV, c.LAST_TASK, c.PTL), MOST)
+    yield above("share of runs that reach the threshold", c.reached(evidence, ENV, c.LAST_TASK, c.PTL), MAJORITY)
     episodes = c.mean_episodes(evidence, ENV, c.LAST_TASK, c.PTL)
     yield between("mean episodes to the threshold", episodes, 80 * (1 - ABOUT), 80 * (1 + ABOUT), "episodes")
     yield from c.never_reached(evidence, ENV, [c.PTL])

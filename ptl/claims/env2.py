@@ -9,8 +9,8 @@ import numpy as np
 from ptl.claims import comparisons as c
 from ptl.claims import env1, places
 from ptl.claims.claim import claim
-from ptl.claims.evidence import Evidence, Lacking
-from ptl.claims.thresholds import AT, FAR, MOST
+from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.thresholds import AT, FAR, MAJORITY
 from ptl.claims.verdict import Part, above, below, in_plain_reading, not_significant
 from ptl.measures.statistics import exactly
 from ptl.text import number
@@ -64,7 +64,7 @@ def converge(evidence: Evidence) -> Iterator[Part | str]:
     """Count a method as converged below the threshold of the tables."""
     for other in (c.BASE, c.FULL):
         text = f"task F, {other}, share of runs that reach the threshold"
-        yield above(text, c.reached(evidence, ENV, c.LAST_TASK, other), MOST)
+        yield above(text, c.reached(evidence, ENV, c.LAST_TASK, other), MAJORITY)
         yield from c.needs_fewer_episodes(evidence, ENV, other)
     yield from c.never_reached(evidence, ENV, (c.PTL, c.BASE, c.FULL))
 
@@ -93,7 +93,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
     for task in TASKS:
         goal_room = int(room[evidence.goal(ENV, task)])
         if goal_room in (-1, room[world.start]):
-            raise Lacking(f"{world.name}: goal {task} is not in a room")
+            raise MissingEvidence(f"{world.name}: goal {task} is not in a room")
         peaks = evidence.peaks(ENV, c.PTL, task, "incremental")
         if goal_room == big:
             where, text = room == big, f"task {task}, subgoal inside the big room"

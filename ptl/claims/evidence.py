@@ -1,7 +1,7 @@
-"""Everything that verdicts rest on: measures, curves, subgoals, maps and tables of one run, in memory.
+"""The evidence for verdicts: measures, curves, subgoals, maps and tables of one run, in memory.
 
 Claims use this object alone, so that the main run and the settings of a study are judged by the same
-code. Anything absent, or from too few seeds, raises `Lacking`, which makes a claim undecided, not wrong.
+code. Anything absent, or from too few seeds, raises `MissingEvidence`, which makes a claim undecided, not wrong.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ptl.measures.measures import BASE, BY_NAME, PER_SEED, Names
 from ptl.measures.statistics import Resampling
 from ptl.world.gridworld import GridWorld
 
-SEEDS_NEEDED = 10
-"""Fewer runs than this decide nothing: the bootstrap of fewer values gives intervals that are too narrow."""
+MIN_SEEDS = 10
+"""Minimum number of runs for a verdict: the bootstrap of fewer values gives intervals that are too narrow."""
 
 
-class Lacking(Exception):
-    """A run lacks something that a claim needs; the message names it."""
+class MissingEvidence(Exception):
+    """Results that a claim needs are missing from the run; the message names them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,17 +83,17 @@ class Evidence:
     def _series(self, environment: str, task: str, method: str, metric: str) -> pd.Series:
         series = self._frame(environment, task, method)[metric]
         if BY_NAME[metric].saves and series.isna().any():
-            raise Lacking(f"{environment}: method {BASE}, the base of {metric}, is not in this run")
+            raise MissingEvidence(f"{environment}: method {BASE}, the base of {metric}, is not in this run")
         return series
 
     def _frame(self, environment: str, task: str, method: str) -> pd.DataFrame:
         frame = self._frames.get((environment, task, method))
         if frame is None:
             if environment not in {e for e, _, _ in self._frames}:
-                raise Lacking(f"environment {environment} is not in this run")
+                raise MissingEvidence(f"environment {environment} is not in this run")
             if (environment, method) not in {(e, m) for e, _, m in self._frames}:
-                raise Lacking(f"{environment}: method {method} is not in this run")
-            raise Lacking(f"{environment}: task {task} of method {method} is not in this run")
+                raise MissingEvidence(f"{environment}: method {method} is not in this run")
+            raise MissingEvidence(f"{environment}: task {task} of method {method} is not in this run")
         _check_number(len(frame), f"{environment} {task} {method}")
         return frame
 
@@ -132,31 +132,31 @@ class Evidence:
         """Return the steps per episode, int array (seeds, episodes)."""
         self._frame(environment, task, method)
         if self.steps is None or (environment, method, task) not in self.steps:
-            raise Lacking(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
+            raise MissingEvidence(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
         return self.steps[environment, method, task]
 
     def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""
-        found = [self.curve(environment, method, task) for method in methods]
+        curves = [self.curve(environment, method, task) for method in methods]
         seeds = [self._frame(environment, task, method).index for method in methods]
         common = seeds[0].intersection(seeds[1])
         _check_number(len(common), f"{environment} {task} {' and '.join(methods)}")
-        one, other = (curve[own.isin(common)] for curve, own in zip(found, seeds, strict=True))
+        one, other = (curve[own.isin(common)] for curve, own in zip(curves, seeds, strict=True))
         if one.shape != other.shape:
-            raise Lacking(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
+            raise MissingEvidence(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
         return one, other
 
     def world(self, environment: str) -> GridWorld:
         """Return the map of an environment."""
         if environment not in self.worlds:
-            raise Lacking(f"environment {environment} is not in this run")
+            raise MissingEvidence(f"environment {environment} is not in this run")
         return self.worlds[environment]
 
     def goal(self, environment: str, letter: str) -> int:
         """Return the state of a goal letter."""
         world = self.world(environment)
         if letter not in world.goals:
-            raise Lacking(f"environment {environment} has no goal {letter}")
+            raise MissingEvidence(f"environment {environment} has no goal {letter}")
         return world.goal(letter)
 
     def peaks(self, environment: str, method: str, task: str, metric: str) -> np.ndarray:
@@ -170,7 +170,7 @@ class Evidence:
     def _subgoal_rows(self, environment: str, method: str, task: str) -> pd.DataFrame:
         rows = self._subgoal_frames.get((environment, method, task))
         if rows is None:
-            raise Lacking(f"{environment}: subgoals of {method}, task {task}, are not in this run")
+            raise MissingEvidence(f"{environment}: subgoals of {method}, task {task}, are not in this run")
         _check_number(len(rows), f"{environment} {task} {method}")
         return rows
 
@@ -183,15 +183,15 @@ class Evidence:
 
     def needed(self, name: str) -> Any:
         """Return the attribute of this name, which must not be absent or empty."""
-        found = getattr(self, name)
-        if found is None or len(found) == 0:
-            raise Lacking(f"{name.replace('_', ' ')}: not in this run")
-        return found
+        value = getattr(self, name)
+        if value is None or len(value) == 0:
+            raise MissingEvidence(f"{name.replace('_', ' ')}: not in this run")
+        return value
 
 
 def _check_number(seeds: int, name: str) -> None:
-    if seeds < SEEDS_NEEDED:
-        raise Lacking(f"{name}: {seeds} seeds, fewer than the {SEEDS_NEEDED} that a verdict needs")
+    if seeds < MIN_SEEDS:
+        raise MissingEvidence(f"{name}: {seeds} seeds, fewer than the {MIN_SEEDS} that a verdict needs")
 
 
 def settings_of(groups: Any) -> dict[str, Any]:

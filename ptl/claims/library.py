@@ -8,7 +8,7 @@ import numpy as np
 from scipy import stats
 
 from ptl.claims.claim import claim
-from ptl.claims.evidence import SEEDS_NEEDED, Evidence, Lacking
+from ptl.claims.evidence import MIN_SEEDS, Evidence, MissingEvidence
 from ptl.claims.thresholds import FAR, LINEAR_EXPONENT, OVERHEAD
 from ptl.claims.verdict import Part, above, below
 from ptl.measures import statistics
@@ -17,10 +17,10 @@ from ptl.measures.statistics import Estimate, exactly, named_generator
 from ptl.text import number, percent
 
 BYTES_PER_ENTRY, BYTES_PER_SUBGOAL = 1, 4
-"""A policy holds one byte for each state; a subgoal is a number of four bytes."""
+"""A policy takes one byte for each state, a subgoal four bytes."""
 
-SIZES_NEEDED = 4
-"""Sizes of a library that a power law is fitted to, at least."""
+MIN_SIZES = 4
+"""Minimum number of library sizes for the fit of a power law."""
 
 
 @claim(
@@ -31,11 +31,11 @@ SIZES_NEEDED = 4
 def growth(evidence: Evidence) -> Iterator[Part | str]:
     """Compare the slopes of every run, by the fit of figure 14, and the rates in both halves before its bend."""
     size = evidence.needed("growth")
-    if len(size) < SEEDS_NEEDED:
-        raise Lacking(f"growth: {len(size)} runs, fewer than the {SEEDS_NEEDED} that a verdict needs")
+    if len(size) < MIN_SEEDS:
+        raise MissingEvidence(f"growth: {len(size)} runs, fewer than the {MIN_SEEDS} that a verdict needs")
     bend, last = evidence.breakpoint, size.shape[1] - 1
     if bend < 2 or last < 2 * bend:
-        raise Lacking(f"growth: lives of {last} tasks do not show a bend after {bend} (growth.breakpoint)")
+        raise MissingEvidence(f"growth: lives of {last} tasks do not show a bend after {bend} (growth.breakpoint)")
     half = (bend + 1) // 2
     line = fit_two_slopes(size, bend)
     early, late = size[:, half] / half, (size[:, bend] - size[:, half]) / (bend - half)
@@ -69,8 +69,8 @@ def selection_cost(evidence: Evidence) -> Iterator[Part | str]:
     """
     cost = evidence.needed("selection_cost")
     upper = cost[cost["skills"] >= cost["skills"].median()]
-    if len(upper) < SIZES_NEEDED:
-        raise Lacking(f"selection cost: {len(cost)} library sizes, too few to fit a law")
+    if len(upper) < MIN_SIZES:
+        raise MissingEvidence(f"selection cost: {len(cost)} library sizes, too few to fit a law")
     power = stats.linregress(np.log(upper["skills"]), np.log(upper["operations"]))
     reach = stats.t.ppf((1 + evidence.how.confidence) / 2, len(upper) - 2) * power.stderr
     exponent = Estimate(power.slope, power.slope - reach, power.slope + reach)
@@ -88,7 +88,7 @@ def space(evidence: Evidence) -> Iterator[Part | str]:
     stored = evidence.needed("subgoals")
     libraries = stored[stored["subgoal"] >= 0].groupby(["environment", "method", "seed"])["subgoal"]
     if not len(libraries):
-        raise Lacking("no library holds a skill")
+        raise MissingEvidence("no library holds a skill")
     sizes = libraries.size().reset_index(name="skills")
     sizes["states"] = [evidence.world(name).n_states for name in sizes["environment"]]
     doubles = int((libraries.size() - libraries.nunique()).sum())

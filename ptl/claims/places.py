@@ -1,4 +1,4 @@
-"""Places on a map that claims speak of: doorways, rooms and their doors, all derived from the map."""
+"""Places on a map that claims mention: doorways, rooms and their doors, all derived from the map."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from scipy import ndimage
 
-from ptl.claims.evidence import Lacking
+from ptl.claims.evidence import MissingEvidence
 from ptl.world.gridworld import GridWorld
 
 NORTH, SOUTH, WEST, EAST = range(4)
@@ -19,10 +19,10 @@ def doorways(world: GridWorld) -> np.ndarray:
     blocked = world.successors == own[:, np.newaxis]
     upright = blocked[:, WEST] & blocked[:, EAST] & ~blocked[:, NORTH] & ~blocked[:, SOUTH]
     across = blocked[:, NORTH] & blocked[:, SOUTH] & ~blocked[:, WEST] & ~blocked[:, EAST]
-    found = np.flatnonzero(upright | across)
-    if not found.size:
-        raise Lacking(f"{world.name}: there is no doorway on this map")
-    return found
+    states = np.flatnonzero(upright | across)
+    if not states.size:
+        raise MissingEvidence(f"{world.name}: there is no doorway on this map")
+    return states
 
 
 def newest_doorway(world: GridWorld, goal: int) -> int:
@@ -31,7 +31,7 @@ def newest_doorway(world: GridWorld, goal: int) -> int:
     doors = doorways(world)
     on_the_way = doors[(from_start + to_goal)[doors] == from_start[goal]]
     if not on_the_way.size:
-        raise Lacking(f"{world.name}: there is no doorway between the start and a goal")
+        raise MissingEvidence(f"{world.name}: there is no doorway between the start and a goal")
     return int(on_the_way[to_goal[on_the_way].argmin()])
 
 
@@ -68,10 +68,12 @@ def rectangle(world: GridWorld, rows: tuple[int, int], columns: tuple[int, int],
 
     Raises
     ------
-    Lacking
+    MissingEvidence
         When the map is not of the ``shape`` for which the range was defined.
     """
     if world.shape != shape:
-        raise Lacking(f"{world.name}: is not the map of {shape[0]} by {shape[1]} cells that the claim speaks of")
+        raise MissingEvidence(
+            f"{world.name}: is not the map of {shape[0]} by {shape[1]} cells that the claim speaks of"
+        )
     row, column = world.cells.T
     return (rows[0] <= row) & (row <= rows[1]) & (columns[0] <= column) & (column <= columns[1])

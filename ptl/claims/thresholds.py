@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from ptl.text import number, percent
 
-MOST = 0.5
-"""A subgoal "lies" somewhere, runs "converge": in more than half of the runs, the least that is typical."""
+MAJORITY = 0.5
+"""A subgoal "lies" somewhere, runs "converge": in more than half of the runs, the minimum for "typical"."""
 
 FAR = 2.0
-"""Far fewer, many more, markedly slower: by a factor of two at least, a change that nobody calls slight."""
+"""Far fewer, many more, markedly slower: by a factor of at least two, a clearly noticeable change."""
 
 ABOUT = 0.25
 """About a number: within a quarter of it; a reader of "about 80" would accept 60 to 100 and hardly more."""
@@ -20,7 +20,7 @@ ABOUT_POINTS = 5.0
 """About a range of percentages: five points beyond either end, half the width of the article's 80-90%."""
 
 FEW_EPISODES = 20
-"""A few episodes: a tenth of the 200 of a task. The window of the threshold is the least possible number."""
+"""A few episodes: a tenth of the 200 of a task. The window of the threshold is the minimum possible number."""
 
 NO_IMPROVEMENT = 20.0
 """Not improved: not significantly, and by less than this share (%) of the base, about the standard error of a
@@ -39,7 +39,7 @@ OVERHEAD = 1.01
 """Bytes beyond the entries of the policies and the subgoals that still count as none: one in a hundred."""
 
 MEANINGS = (
-    ("lies at, converges, concentrates", f"in more than {percent(MOST)} of the runs"),
+    ("lies at, converges, concentrates", f"in more than {percent(MAJORITY)} of the runs"),
     ("far fewer, many more, markedly slower", f"by a factor of {number(FAR)} or more"),
     ("about n", f"between {number(1 - ABOUT)} n and {number(1 + ABOUT)} n"),
     ("about 80-90%", f"up to {number(ABOUT_POINTS)} percentage points beyond either end"),

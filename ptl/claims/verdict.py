@@ -2,11 +2,11 @@
 
 A claim consists of parts. A part compares one estimate with what the claim demands, by its interval:
 
-* it *holds* if the whole interval is where the claim says;
+* it *holds* if the whole interval agrees with the claim;
 * it *fails* if the whole interval is elsewhere;
-* it lies *at the bound* if the interval reaches to both sides of a bound, but nowhere further from it than the
-  resolution, `RESOLUTION` of the part's scale: more runs would hardly tell the value from the bound;
-* it is *open* if the interval reaches further; more runs could decide it.
+* it is *at the bound* if the interval extends to both sides of a bound, but nowhere further from it than the
+  resolution, `RESOLUTION` of the part's scale: more runs would hardly distinguish the value from the bound;
+* it is *open* if the interval extends further; more runs could decide it.
 
 The scale is the bound itself, or where the bound is 0 the mean of what the estimate is a difference to (1 for shares
 and ratios).
@@ -18,14 +18,13 @@ The verdict:
 
 * **reproduced** if every part holds;
 * **partly reproduced** if some parts hold and others do not;
-* **not reproduced** if no part holds and at least one fails or lies at the bound;
-* **undecided** if all parts are open, or the run lacks something that the claim needs, or has fewer than ten seeds of
-  it.
+* **not reproduced** if no part holds and at least one fails or is at the bound;
+* **undecided** if all parts are open, or the evidence that the claim needs is missing or from fewer than ten seeds.
 
 So a part at the bound never counts for a claim: with it a claim is at most partly reproduced.
 
 Where a claim's words admit two readings, it has parts of both: those of the *strict* reading, which alone enter the
-verdict, and those of the *plain* one, which give a second verdict beside it.
+verdict, and those of the *plain* one, which give a second verdict.
 
 A claim with a number ("improves by more than 90%") has two parts, the direction and the size, so that the
 right direction with another size is "partly reproduced". Parts are not corrected for their number: with many
@@ -44,7 +43,7 @@ from ptl.measures.statistics import Estimate
 from ptl.text import number
 
 RESOLUTION = 0.2
-"""Share of a part's scale that counts as next to nothing: a fifth, as for "not improved" (our choice)."""
+"""Share of a part's scale that counts as negligible: a fifth, as for "not improved" (our choice)."""
 
 
 class Outcome(StrEnum):
@@ -75,7 +74,7 @@ class Part:
         Name of the estimate.
     estimate : Estimate
     demand : str
-        Where the claim wants the estimate.
+        Range of the estimate that the claim demands.
     outcome : Outcome
     unit : str
     plain : bool

@@ -17,14 +17,14 @@ from ptl.errors import UserError, printable
 from ptl.files.checkout import check_checkout
 
 COMMANDS = ("new-study", "show-map", "learn", "inspect", "metrics", "verify", "workflow")
-"""What people call, in the order of the help."""
+"""Commands for users, in the order of the help."""
 
 UPKEEP = ("docs",)
-"""What keeps the files of this package up to date."""
+"""Commands that keep the files of this package up to date."""
 
 
 class _Commands(click.Group):
-    """Loads only the subcommand that is called, so that a job pays for no other's imports."""
+    """Load only the subcommand that is called, so that a job skips the imports of the others."""
 
     def list_commands(self, context: click.Context) -> list[str]:
         folder = Path(__file__).parent
@@ -57,7 +57,7 @@ class _Commands(click.Group):
 
 @contextmanager
 def _in_one_line() -> Iterator[None]:
-    """Turn what click says about wrong arguments into one line."""
+    """Turn click's messages about wrong arguments into one line."""
     try:
         yield
     except click.exceptions.NoArgsIsHelpError:  # no mistake: the help is shown

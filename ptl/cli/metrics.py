@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 GAP = "  "
 
 NAMES = ("environment", "task", "method", "metric")
-"""Columns that say what a row is about."""
+"""Columns that identify a row."""
 
 INTERVAL = ("mean", "ci_low", "ci_high")
 """Columns of the estimate; empty if no seed has a value."""
@@ -38,7 +38,7 @@ def command(
 
     RUN is the name of a run or a metrics.csv; left out, the run of this folder, or the published one of several.
     """
-    from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+    from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
     path = _path_of(run)
     metrics = _estimates(path)
@@ -54,7 +54,7 @@ def command(
         first = metrics.loc[metrics["environment"] == place, "task"].iloc[0]
         note = ": nothing to transfer yet" if letter == first else ""
         seeds = int(part["seeds"].max())
-        shown = "mean [interval]" if seeds >= FEWEST_FOR_INTERVAL else "mean"
+        shown = "mean [interval]" if seeds >= MIN_FOR_INTERVAL else "mean"
         click.echo(f"{place}, task {letter}{note} ({seeds} seed{'s' if seeds > 1 else ''}: {shown})")
         width = shutil.get_terminal_size().columns
         click.echo("\n".join(_laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")
@@ -66,19 +66,19 @@ def _path_of(run: str | None) -> Path:
     if run is not None:
         path = Path(run) if run.endswith(".csv") else Path("reports") / run / "tables/metrics.csv"
         if not path.is_file():
-            there = ", ".join(sorted(found.parts[1] for found in Path("reports").glob("*/tables/metrics.csv")))
+            there = ", ".join(sorted(path.parts[1] for path in Path("reports").glob("*/tables/metrics.csv")))
             raise UserError(f"{path}: no such file; runs with measures: {there or 'none'}")
         return path
-    found = {path.parts[1]: path for path in Path("reports").glob("*/tables/metrics.csv")}
-    if len(found) == 1 or "published" in found:
-        return found.get("published") or next(iter(found.values()))
+    tables = {path.parts[1]: path for path in Path("reports").glob("*/tables/metrics.csv")}
+    if len(tables) == 1 or "published" in tables:
+        return tables.get("published") or next(iter(tables.values()))
     raise UserError(
-        f"reports/*/tables/metrics.csv: {len(found)} runs; name one of {', '.join(sorted(found)) or 'none'}"
+        f"reports/*/tables/metrics.csv: {len(tables)} runs; name one of {', '.join(sorted(tables)) or 'none'}"
     )
 
 
 def _estimates(path: Path) -> pd.DataFrame:
-    """Read a table of estimates, control characters in its names as escapes; refuse a table of something else."""
+    """Read a table of estimates, control characters in its names as escapes; refuse other tables."""
     from ptl.errors import UserError, printable
     from ptl.files.tables import check_numbers, read_table
 
@@ -133,7 +133,7 @@ def _cell(row: dict | None, can_miss: bool) -> str:
 
 
 def _laid_out(columns: list[list[str]], width: int) -> Iterator[str]:
-    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers stand to the right."""
+    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers are right-aligned."""
     labels, *others = columns
     left = max(map(len, labels))
     while others:

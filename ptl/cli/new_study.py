@@ -1,4 +1,4 @@
-"""``ptl new-study``: a folder in which the workflow runs on maps of one's own."""
+"""``ptl new-study``: a folder in which the workflow runs on a user's maps."""
 
 from __future__ import annotations
 

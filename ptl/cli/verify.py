@@ -89,8 +89,8 @@ def _check_result(path: Path, any_code: bool) -> bool:
         folder, jobs = planned
         wanted = jobs.get(path.absolute().relative_to(folder).as_posix())
     job = read(path, None if any_code else wanted).job
-    _, found, place = path.absolute().as_posix().rpartition("/results/")
-    if found and place.partition("/")[2] != job.place:
+    _, separator, place = path.absolute().as_posix().rpartition("/results/")
+    if separator and place.partition("/")[2] != job.place:
         raise UserError(f"{path}: is the file {job.place} of a run; {AGAIN}")
     if not any_code and _present_code(path, job) not in {None, job.code}:
         raise UserError(f"{path}: was made with another version of the code; {AGAIN}")
@@ -108,7 +108,7 @@ def _present_code(path: Path, job: Job) -> str | None:
 
 def _planned_for(path: Path) -> tuple[Path, Mapping[str, Job]] | None:
     """Return the folder of a finished run that a file is in, and the run's jobs by place."""
-    return next((found for folder in path.parents if (found := _planned(folder))), None)
+    return next((planned for folder in path.parents if (planned := _planned(folder))), None)
 
 
 @cache
@@ -127,8 +127,8 @@ def _checkable(path: Path) -> Iterator[Path]:
     from ptl.files.manifest import MANIFEST
 
     if path.is_dir():
-        found = (file for file in regular.below(path) if file.suffix == ".h5" or file.name == MANIFEST)
-        yield from sorted(file for file in found if not file.name.startswith(UNFINISHED))
+        candidates = (file for file in regular.below(path) if file.suffix == ".h5" or file.name == MANIFEST)
+        yield from sorted(file for file in candidates if not file.name.startswith(UNFINISHED))
     elif path.suffix == ".h5" or path.name == MANIFEST or not path.exists():
         yield path
     else:
@@ -140,13 +140,13 @@ def _compare(paths: tuple[Path, ...], against: str, exit_zero: bool) -> None:
     from ptl.files.comparison import NothingToCompareError, compare, reference
 
     try:
-        found = [compare(folder, reference(against, folder)) for folder in paths]
+        comparisons = [compare(folder, reference(against, folder)) for folder in paths]
     except NothingToCompareError as error:
         if not exit_zero:
             raise
         click.echo(str(error))
         return
-    for comparison in found:
+    for comparison in comparisons:
         click.echo(str(comparison))
-    if not (exit_zero or all(comparison.agrees for comparison in found)):
+    if not (exit_zero or all(comparison.agrees for comparison in comparisons)):
         raise UserError(f"the tables or verdicts differ from those of {against}")

@@ -1,4 +1,4 @@
-"""``ptl workflow``: run snakemake in surroundings in which it works."""
+"""``ptl workflow``: run snakemake in an environment in which it works."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def command(arguments: tuple[str, ...]) -> None:
 
 
 def environment() -> dict[str, str]:
-    """Return the environment variables for Snakemake, with what the account lacks.
+    """Return the environment variables for Snakemake, including those that the account lacks.
 
     Raises
     ------
@@ -50,15 +50,15 @@ def environment() -> dict[str, str]:
     if {"{", "}"} & set(str(folder)):
         raise UserError(f"{folder}: Snakemake takes braces in a path for wildcards; rename the folder")
     _check_threads()
-    found = dict(os.environ)
-    found.setdefault("XDG_CACHE_HOME", str(folder / KEPT / "cache"))
-    found.setdefault("MPLCONFIGDIR", str(folder / KEPT / "cache/matplotlib"))
-    found.setdefault("HOME", str(folder / KEPT))
+    variables = dict(os.environ)
+    variables.setdefault("XDG_CACHE_HOME", str(folder / KEPT / "cache"))
+    variables.setdefault("MPLCONFIGDIR", str(folder / KEPT / "cache/matplotlib"))
+    variables.setdefault("HOME", str(folder / KEPT))
     try:
         getpass.getuser()
     except (OSError, KeyError):  # a number without a name, as in containers
-        found["LOGNAME"] = f"uid{os.getuid()}"
-    return found
+        variables["LOGNAME"] = f"uid{os.getuid()}"
+    return variables
 
 
 def _check_threads() -> None:

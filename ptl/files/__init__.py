@@ -1,1 +1,1 @@
-"""What a run keeps: whole files with their origin, read and checked in one place."""
+"""Files of a run: written whole with their origin, read and checked in one place."""

@@ -1,8 +1,8 @@
-"""Files that do not belong to a run are made to look old when it is planned, so that Snakemake makes them again.
+"""Age files that do not belong to a run when it is planned, so that Snakemake makes them again.
 
 Snakemake decides by times and by what it remembers. Both can be lost: folders are copied, `.snakemake` is removed,
-clocks are wrong. A result says which job made it, and `made.json` in the folder of results which products belong to
-it; what does not fit gets the time `OLD` and counts as older than everything that it is made from.
+clocks are wrong. A result file contains its job, and `made.json` in the folder of results lists the products that
+belong to it; files that do not match get the time `OLD` and are thus older than all their inputs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ptl.files.regular import NotReadable, sha256
 from ptl.files.store import digest_in
 
 MADE = "made.json"
-"""File in results/<run>/ that says what the products of the run were made from."""
+"""File in results/<run>/ that records what the products of the run were made from."""
 
 OLD = 1
 """Time of files that are to be made again; Snakemake ignores a time of 0."""
@@ -35,9 +35,9 @@ def age_results(folder: Path, jobs: Iterable[Job]) -> None:
     """Age the result files that other jobs have made; ``folder`` is results/<run>/."""
     for job in jobs:
         path = folder / job.place
-        if (found := digest_in(path)) is None:
+        if (stored := digest_in(path)) is None:
             continue
-        if found != job.digest:
+        if stored != job.digest:
             _age(path)
         elif path.stat().st_mtime == OLD:  # another configuration was tried in between
             path.touch()
@@ -51,8 +51,8 @@ def age_products(results: Path, reports: Path, asked: Any, code: Any) -> None:
     results, reports : path
         results/<run>/ and reports/<run>/.
     asked, code
-        What decides the products, as JSON can hold it. Other code counts only if Snakemake remembers nothing, because
-        it knows better which products depend on it.
+        Configuration and code that determine the products, serializable as JSON. Changed code counts only without
+        records of Snakemake, which show more precisely which products depend on it.
     """
     known = _made(results)
     fits = known.get("asked") == digest(asked) and (MEMORY.is_dir() or known.get("code") == digest(code))
@@ -81,16 +81,16 @@ def products_made(results: Path) -> dict[str, str]:
 
 
 def digest(value: Any) -> str:
-    """Return a digest of what JSON can hold."""
+    """Return a digest of a value that is serializable as JSON."""
     return digest_of_text(json.dumps(value, sort_keys=True))
 
 
 def _made(results: Path) -> dict[str, Any]:
     try:
-        found = json.loads((results / MADE).read_text(encoding="utf-8"))
+        content = json.loads((results / MADE).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) and isinstance(found.get("products"), dict) else {}
+    return content if isinstance(content, dict) and isinstance(content.get("products"), dict) else {}
 
 
 def _age(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Atomic writing: a name holds a complete file or the one that was there before."""
+"""Atomic writing: a path always has either the complete new file or the previous one."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ptl.errors import UserError
 from ptl.files.regular import refuse_other
 
 UNFINISHED = ".unfinished-"
-"""Begins the name under which a file is written until it is whole."""
+"""Prefix of the name of a file while it is being written."""
 
 
 @contextmanager
@@ -23,7 +23,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     UserError
-        When the folder cannot be written, the disk is full, or there is something else than an ordinary file.
+        When the folder cannot be written, the disk is full, or the path is not an ordinary file.
     """
     path = Path(path)
     temporary = None

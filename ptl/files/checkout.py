@@ -1,4 +1,4 @@
-"""The checkout whose code runs: a copy with its environment would run the code of the original."""
+"""Check which checkout's code runs: a copied virtual environment would run the code of the original."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ PACKAGE = Path(__file__).parent.parent
 
 
 def check_checkout(part: str | os.PathLike[str]) -> None:
-    """Refuse a workflow or an environment beside another copy of this package than the one that runs.
+    """Refuse a workflow or an environment that belongs to a copy of this package other than the running one.
 
     Parameters
     ----------

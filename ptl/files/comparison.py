@@ -40,7 +40,7 @@ _NUMBER = re.compile(r"([-−]?\d+(?:\.\d+)?(?:e[-+]?\d{1,3})?)")
 
 
 class NothingToCompareError(UserError):
-    """There are no products of another run."""
+    """The products of the other run do not exist."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Reference:
 
 
 def reference(text: str, folder: Path) -> Reference:
-    """Return what a report folder is compared with.
+    """Return the reference with which a report folder is compared.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def reference(text: str, folder: Path) -> Reference:
     Raises
     ------
     UserError
-        If there is nothing of the kind, or a run would be compared with itself.
+        If the reference does not exist, or a run would be compared with itself.
     """
     if text != PUBLISHED and not text.startswith("git:"):
         other = Path(text).parent if Path(text).name == MANIFEST else Path(text)
@@ -73,16 +73,16 @@ def reference(text: str, folder: Path) -> Reference:
         return Reference(text, lambda product: _content(other / product))
     revision = "HEAD" if text == PUBLISHED else text.removeprefix("git:")
     commit = (_git(folder, "rev-parse", "--short", revision) or b"no commit").decode().strip()
-    found = Reference(
+    result = Reference(
         f"git {revision} ({commit})", lambda product: _git(folder, "cat-file", "blob", f"{revision}:./{product}")
     )
-    if text == PUBLISHED and found.read(MANIFEST) is None:
+    if text == PUBLISHED and result.read(MANIFEST) is None:
         if folder.name != PUBLISHED or not Path(KEPT, MANIFEST).is_file():
             raise NothingToCompareError(
                 f"{folder}: neither git's HEAD nor {KEPT} holds the published products to compare with; 'make"
                 " reproduce' in a fresh copy of the package keeps them"
             )
-        found = Reference(f"{KEPT} (kept before the first run)", lambda product: _content(Path(KEPT, product)))
+        result = Reference(f"{KEPT} (kept before the first run)", lambda product: _content(Path(KEPT, product)))
     results = folder.parent.parent / "results" / folder.name
     own = products_in(folder)
     if own and own != products_made(results):
@@ -90,7 +90,7 @@ def reference(text: str, folder: Path) -> Reference:
             f"{folder}: has the products that came with the package, not those of a run made here ({results / MADE}"
             " does not name them), which would be compared with themselves; run 'make reproduce'"
         )
-    return found
+    return result
 
 
 def _content(file: Path) -> bytes | None:
@@ -131,13 +131,13 @@ def compare(folder: Path, other: Reference) -> Comparison:
     if text is None:
         raise UserError(f"{other.name}: has no {MANIFEST}; give a report folder, or a git:REVISION, that has one")
     theirs = parse(text, Path(other.name))
-    found: dict[str, list[str]] = {name: [] for name in ("equal", "close", "different", "pages", "bytes", "missing")}
+    outcomes: dict[str, list[str]] = {name: [] for name in ("equal", "close", "different", "pages", "bytes", "missing")}
     for name, digest in theirs.products.items():
         outcome, place = _outcome(folder / name, digest, name, other)
-        found[outcome].append(name + place)
+        outcomes[outcome].append(name + place)
     before, after = _verdicts(other.read("claims.csv")), _verdicts(_content(folder / "claims.csv"))
     verdicts, claims = _changes(before, after), {*before, *after}
-    number = {name: len(products) for name, products in found.items()}
+    number = {name: len(products) for name, products in outcomes.items()}
     lines = [
         f"{folder} compared with {other.name}:",
         f"  tables: {number['equal']} equal, {number['close']} within the tolerance, {number['different']} different",
@@ -145,9 +145,9 @@ def compare(folder: Path, other: Reference) -> Comparison:
         *[f"  verdicts: {len(claims) - len(verdicts)} of {len(claims)} equal"] * bool(claims),
     ]
     named = {
-        "missing": found["missing"],
-        "different tables": found["different"],
-        "pages with different bytes": found["bytes"],
+        "missing": outcomes["missing"],
+        "different tables": outcomes["different"],
+        "pages with different bytes": outcomes["bytes"],
         "changed verdicts": verdicts,
         "changed settings": _changes(_flat(theirs.config), _flat(own.config)),
         "changed versions": _changes(theirs.versions, own.versions),
@@ -155,7 +155,7 @@ def compare(folder: Path, other: Reference) -> Comparison:
     for title, names in named.items():
         more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
         lines += [f"  {title}: {', '.join(names[:MAX_NAMED])}{more}"] * bool(names)
-    agrees = not (found["different"] or found["missing"] or verdicts)
+    agrees = not (outcomes["different"] or outcomes["missing"] or verdicts)
     if not agrees:
         lines.append(f"  where to look: 'git diff {folder}', and docs/reliability.md on what may differ")
     return Comparison(lines, agrees)

@@ -1,4 +1,4 @@
-"""Configuration files: their text, and what depends on the maps that they name."""
+"""Read configuration files and check the keys that depend on the maps they name."""
 
 from __future__ import annotations
 
@@ -28,10 +28,10 @@ MAX_DEPTH = 20
 
 
 def completed(config: Mapping[str, Any]) -> Configuration:
-    """Check a configuration and fill in all that it leaves open.
+    """Check a configuration and fill in the defaults.
 
-    Environments that are null are left out: a file laid over another one can take its environments away. The article's
-    environments come first, whatever order the files were merged in.
+    Environments that are null are left out, so that an overlay can remove environments. The article's
+    environments come first, independent of the order of merging.
 
     Raises
     ------
@@ -73,7 +73,7 @@ def completed(config: Mapping[str, Any]) -> Configuration:
 
 
 def expected_of(environments: Mapping[str, Environment], seeds: int, learning: Learning) -> Expected:
-    """Return what results of other programs must hold to be compared with a run."""
+    """Return the episodes that results of other programs need for a comparison with a run."""
     return Expected(
         worlds={name: load_map(entry.map) for name, entry in environments.items()},
         tasks={name: entry.tasks for name, entry in environments.items()},
@@ -113,7 +113,7 @@ def _completed_entry(name: str, entry: Environment) -> Environment:
 
 
 def check_text(key: str, text: str) -> None:
-    """Refuse a text that cannot be shown as it is: written to a file, on one line, read from left to right."""
+    """Refuse a text that cannot be displayed unchanged: written to a file, on one line, read from left to right."""
     unfit = [
         character
         for character in text
@@ -128,7 +128,7 @@ def check_text(key: str, text: str) -> None:
 
 
 def read_yaml(path: str | Path) -> dict[str, Any]:
-    """Read a configuration file, unless it cannot be read in one way only.
+    """Read a configuration file; ambiguous files are refused.
 
     YAML readers keep the last of equal keys without a message.
 
@@ -158,7 +158,7 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
 
 
 def _refuse_bombs(text: str, path: str | Path) -> None:
-    """Refuse what would take a reader for ever: aliases, which multiply, and deep nesting."""
+    """Refuse texts that would take too long to read: aliases, which multiply, and deep nesting."""
     depth = 0
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
         line = event.start_mark.line + 1

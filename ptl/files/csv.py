@@ -42,6 +42,6 @@ def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
 
 
 def format_number(value: float) -> str:
-    """Format a number with six significant digits; large ones without an exponent, which people misread."""
+    """Format a number with six significant digits; large ones without an exponent, which is easily misread."""
     text = f"{value:.{SIGNIFICANT_DIGITS}g}"
     return f"{float(text):.0f}" if "e+" in text else text

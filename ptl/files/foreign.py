@@ -99,7 +99,7 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
     steps, truncated = whole("steps", 1, expected.max_steps), whole(OPTIONAL, 0, 1) == 1
     limit = f"{expected.max_steps}, the run's learning.max_steps, for a truncated episode"
     refuse(truncated & (steps < expected.max_steps), "steps", limit)
-    found = {}
+    runs = {}
     for environment, tasks in expected.tasks.items():
         world, there = expected.worlds[environment], table["environment"] == environment
         refuse(there & ~table["task"].isin([*tasks]), "task", f"one of {', '.join(tasks)}")
@@ -120,8 +120,8 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
             ordered = np.empty_like(counts)
             ordered[seed[rows], episode[rows] - 1] = steps[rows]
             cut = np.bincount(seed[rows & truncated], minlength=expected.seeds)
-            found[environment, task] = ForeignSteps(ordered, cut)
-    return found
+            runs[environment, task] = ForeignSteps(ordered, cut)
+    return runs
 
 
 def _read(path: Path) -> pd.DataFrame:

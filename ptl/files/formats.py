@@ -37,7 +37,7 @@ class Array(NamedTuple):
     low, high : number, str or None
         Range, ends included; a str is a size. Floats are finite.
     optional : bool
-        Optional arrays of a group are there together or not at all.
+        Optional arrays of a group are either all present or all absent.
     """
 
     dtype: str
@@ -75,18 +75,18 @@ def check(declared: Mapping[str, Array], arrays: Mapping[str, np.ndarray], known
         group = name.rpartition("/")[0]
         present.setdefault(group, set()).add(declaration)
         _check_one(name, values, declared[declaration], sizes.setdefault(group, dict(known)))
-    for group, found in present.items():
-        _check_complete(group, found, declared)
+    for group, members in present.items():
+        _check_complete(group, members, declared)
     for name, array in declared.items():
         if not array.optional and "<" not in name and name not in arrays:
             raise Misfit(f"{name}: is missing")
 
 
-def _check_complete(group: str, found: set[str], declared: Mapping[str, Array]) -> None:
-    parent = next(iter(found)).rpartition("/")[0]
-    some = any(declared[name].optional for name in found)
+def _check_complete(group: str, members: set[str], declared: Mapping[str, Array]) -> None:
+    parent = next(iter(members)).rpartition("/")[0]
+    some = any(declared[name].optional for name in members)
     for name, array in declared.items():
-        if name.rpartition("/")[0] == parent and name not in found and (some or not array.optional):
+        if name.rpartition("/")[0] == parent and name not in members and (some or not array.optional):
             raise Misfit(f"{group}/{name.rpartition('/')[2]}".lstrip("/") + ": is missing")
 
 
@@ -108,14 +108,14 @@ def _check_one(name: str, values: np.ndarray, declared: Array, sizes: dict[str, 
         raise Misfit(f"{name}: has values from {least} to {greatest} where {limits} is allowed")
 
 
-def _bind(declared: Size, found: int, sizes: dict[str, int]) -> bool:
+def _bind(declared: Size, actual: int, sizes: dict[str, int]) -> bool:
     """Return whether a size is as declared; a free size becomes known."""
     if isinstance(declared, str):
         name, change = _parts(declared)
-        sizes.setdefault(name, found - change)
+        sizes.setdefault(name, actual - change)
         if sizes[name] < 0:
             return False
-    return size_of(declared, sizes) == found
+    return size_of(declared, sizes) == actual
 
 
 def size_of(declared: Size, sizes: Sizes) -> int | str:

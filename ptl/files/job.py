@@ -1,8 +1,8 @@
-"""A job: everything that decides the content of a result file.
+"""A job: everything that determines the content of a result file.
 
-Each kind of file has a subclass of `Job`, which declares what decides it (fields), where it is (`Job.place`), how it is
-made (`Job.run`) and what it contains (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job
-that it expects, and `differences` names what is different. Snakemake gets the same job as the parameter of its rule.
+Each kind of file has a subclass of `Job`, which declares what determines it (fields), its path (`Job.place`), how it is
+made (`Job.run`) and its contents (`Job.ARRAYS`, `Job.faults`). The file stores its job; a reader states the job that it
+expects, and `differences` names the values that differ. Snakemake gets the same job as the parameter of its rule.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
     maps : dict of str to str
         Digest of the map of each environment, see `ptl.world.gridworld.map_digest`.
     code : str
-        Digest of the sources that decide the result, see `sources`.
+        Digest of the sources that determine the result, see `sources`.
     """
 
     root_seed: Number
@@ -82,7 +82,7 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
         raise NotImplementedError
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what is impossible in arrays that fit their declarations."""
+        """Yield the impossible values in arrays that match their declarations."""
         yield from ()
 
     # -- for all kinds ----------------------------------------------------------------------------------------
@@ -127,7 +127,9 @@ def register(kind: Kind) -> Kind:
     return kind
 
 
-class _Tagged(msgspec.Struct):
+class Tagged(msgspec.Struct):
+    """The kind of a job of any kind; its other keys are ignored."""
+
     kind: str
 
 
@@ -140,7 +142,7 @@ def from_text(text: str | bytes) -> Job:
         If it is no JSON, of an unknown kind, or a value is not allowed.
     """
     try:
-        name = msgspec.json.decode(text, type=_Tagged).kind
+        name = msgspec.json.decode(text, type=Tagged).kind
         if name not in KINDS:
             raise UserError(f"job of the kind {name!r:.60}: is not one of {', '.join(KINDS)}")
         return msgspec.json.decode(text, type=KINDS[name])
@@ -151,26 +153,26 @@ def from_text(text: str | bytes) -> Job:
 # -- comparison ---------------------------------------------------------------------------------------------------
 
 
-def differences(found: Job, wanted: Job) -> list[str]:
-    """Return in which values a job differs from the one that is wanted, the most telling first: ``x 1, not 2``."""
-    if found == wanted:
+def differences(actual: Job, wanted: Job) -> list[str]:
+    """Return the values in which a job differs from the expected one, most informative first: ``x 1, not 2``."""
+    if actual == wanted:
         return []
-    ours, theirs = _flat(msgspec.to_builtins(wanted)), _flat(msgspec.to_builtins(found))
+    ours, theirs = _flat(msgspec.to_builtins(wanted)), _flat(msgspec.to_builtins(actual))
     names = [name for name in {**ours, **theirs} if ours.get(name) != theirs.get(name)]
     return [_named(name, theirs.get(name), ours.get(name)) for name in sorted(names, key=_importance)]
 
 
 def _importance(name: str) -> int:
-    """A change of code or map changes other values too, and says less."""
+    """Listed last, because a change of code or map changes other values too and is less informative."""
     return {"kind": 0, "code": 3}.get(name, 2 if name.startswith("maps.") else 1)
 
 
-def _named(name: str, found: Any, wanted: Any) -> str:
+def _named(name: str, actual: Any, wanted: Any) -> str:
     if name == "code":
         return "another version of the code"
     if name.startswith("maps."):
         return f"another map of {name.removeprefix('maps.')}"
-    return f"{name.removeprefix('parameters.')} {_shown(found)}, not {_shown(wanted)}"
+    return f"{name.removeprefix('parameters.')} {_shown(actual)}, not {_shown(wanted)}"
 
 
 def _shown(value: Any) -> str:
@@ -181,7 +183,7 @@ def _flat(value: Any, name: str = "") -> dict[str, Any]:
     if not isinstance(value, dict):
         return {name: value}
     parts = (_flat(part, f"{name}.{key}" if name else key) for key, part in value.items())
-    return {key: part for found in parts for key, part in found.items()}
+    return {key: part for group in parts for key, part in group.items()}
 
 
 # -- handing jobs on ----------------------------------------------------------------------------------------------

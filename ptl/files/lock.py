@@ -13,19 +13,19 @@ from ptl.errors import UserError
 from ptl.files.atomic import remove_unfinished
 
 LOCK = Path(".snakemake/ptl.lock")
-"""Names the process that holds it."""
+"""File that names the process holding the lock."""
 
 PATIENCE = 600.0
 """Seconds to wait for the jobs of a killed run to end."""
 
 
 def begin_run(*folders: str | os.PathLike[str]) -> None:
-    """Hold the current folder and remove what killed jobs left unfinished below ``folders``.
+    """Lock the current folder and remove unfinished files of killed jobs below ``folders``.
 
     Raises
     ------
     SystemExit
-        With one line, if another run is going on here or the folder cannot be written.
+        With one line, if another run is active in this folder or the folder cannot be written.
     """
     try:
         hold_folder()
@@ -43,7 +43,7 @@ def hold_folder() -> None:
     Raises
     ------
     UserError
-        If another run is going on here, or the folder cannot be written.
+        If another run is active in this folder, or the folder cannot be written.
     """
     try:
         LOCK.parent.mkdir(exist_ok=True)
@@ -80,7 +80,7 @@ def _locked(file: int) -> bool:
 
 
 def _lives(number: str, host: str) -> bool:
-    """Return whether a process goes on, as far as can be known; that on another machine does."""
+    """Return whether a process is running; one on another machine is assumed to be."""
     if host != socket.gethostname():
         return bool(host)
     try:

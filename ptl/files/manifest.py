@@ -25,7 +25,7 @@ AGAIN = "remove it and run the workflow again"
 
 
 class Manifest(msgspec.Struct, frozen=True):
-    """What a report folder says of itself.
+    """Contents of the manifest of a report folder.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ def read(path: Path) -> Manifest:
     Raises
     ------
     UserError
-        If it is missing, damaged or something else.
+        If it is missing, damaged or not a manifest.
     """
     try:
         return parse(read_bytes(path, MAX_BYTES), path)
@@ -97,12 +97,12 @@ def products_in(folder: Path) -> dict[str, str]:
 
 def damages(folder: Path) -> list[str]:
     """Compare a report folder with its own manifest; return a line for each product that differs."""
-    found = []
+    lines = []
     for name, digest in read(folder / MANIFEST).products.items():
         path = folder / name
         try:
             if sha256(path) != digest:
-                found.append(f"{path}: differs from {MANIFEST}; {AGAIN}")
+                lines.append(f"{path}: differs from {MANIFEST}; {AGAIN}")
         except NotReadable as error:
-            found.append(f"{path}: cannot be read ({error.reason}); run the workflow again")
-    return found
+            lines.append(f"{path}: cannot be read ({error.reason}); run the workflow again")
+    return lines

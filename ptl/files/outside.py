@@ -1,4 +1,4 @@
-"""Methods as a run's configuration names them: parameters of their own, and digests of their sources."""
+"""Methods as named in a run's configuration: their own parameters, and digests of their sources."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ptl.methods import BaseMethod
 
 
 def configured(reference: str, values: Mapping[str, Any]) -> type[BaseMethod]:
-    """Return the class of a method with parameters of its own.
+    """Return the class of a method with values for its own parameters.
 
     A method declares such parameters by a class attribute ``own``: an instance of a `ptl.keys.Group`, whose values are
     the defaults.
@@ -30,7 +30,7 @@ def configured(reference: str, values: Mapping[str, Any]) -> type[BaseMethod]:
     reference : str
         See `ptl.methods`.
     values : mapping
-        Parameters that shall differ from their defaults.
+        Parameters that differ from their defaults.
 
     Raises
     ------
@@ -54,7 +54,7 @@ def configured(reference: str, values: Mapping[str, Any]) -> type[BaseMethod]:
 
 
 def values_of(text: str) -> dict[str, Any]:
-    """Return the parameters of a method's own, which a job gets as JSON on its command line."""
+    """Return the method-specific parameters, which a job gets as JSON on its command line."""
     try:
         return msgspec.json.decode(text, type=dict[str, Any])
     except msgspec.DecodeError as error:
@@ -64,14 +64,14 @@ def values_of(text: str) -> dict[str, Any]:
 
 
 def sources_of(*modules: str) -> str:
-    """Return a digest of the sources in the rooms of learning that modules depend on."""
+    """Return a digest of the sources of learning (`LEARNING`) that modules depend on."""
     return code_digest(*modules, within=LEARNING)
 
 
 def learning_code(reference: str, *modules: str) -> str:
     """Return a digest of the sources that a life under a method depends on.
 
-    Of a method from elsewhere these are its `local_sources` and what they import from this package.
+    For a user's method these are its `local_sources` and their imports from this package.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def learning_code(reference: str, *modules: str) -> str:
 
 
 def local_sources(reference: str) -> tuple[Path, list[Path]]:
-    """Return the folder of a method from elsewhere, and its file with all that it imports from there.
+    """Return the folder of a user's method, and its file with all its imports from that folder.
 
     The current folder counts as well, and of a method that is installed, its package only. A file is read and not run.
 
@@ -112,17 +112,17 @@ def local_sources(reference: str) -> tuple[Path, list[Path]]:
         levels = module.count(".") + (first.name == "__init__.py")
     root = first.parents[levels]
     installed = root in {Path(sysconfig.get_path(name)).resolve() for name in ("stdlib", "purelib", "platlib")}
-    found = {first, *(_files_of(module, root) if module else ())}
-    waiting = [*found]
+    files = {first, *(_files_of(module, root) if module else ())}
+    waiting = [*files]
     while waiting:
         for name in _imports(waiting.pop(), root, reference):
             package, _, _ = name.partition(".")
             own = package == module.partition(".")[0]
             if package and (own or not (installed or package == "ptl")):
-                new = set(_files_of(name, root)) - found
-                found |= new
+                new = set(_files_of(name, root)) - files
+                files |= new
                 waiting += new
-    return root, sorted(found)
+    return root, sorted(files)
 
 
 def _imports(path: Path, root: Path, reference: str) -> Iterator[str]:

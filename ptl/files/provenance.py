@@ -18,7 +18,7 @@ from ptl.extensions import EXTENSIONS
 PACKAGE = Path(__file__).parent.parent
 ROOT = PACKAGE.parent
 LEARNING = ("ptl.world", "ptl.agent", "ptl.methods", "ptl.learning", "studies")
-"""Rooms whose sources decide what is learned; the others write, check, measure or word it."""
+"""Subpackages whose sources determine what is learned; the others write, check, measure or describe it."""
 
 FOLDERS = {"ptl.report.templating": "report/templates", "ptl.report.explorer.page": "report/explorer/web"}
 """Folders whose files a module reads; they count as its sources."""
@@ -50,16 +50,16 @@ def code_digest(*modules: str, within: tuple[str, ...] = ()) -> str:
 
 
 def _closure(modules: tuple[str, ...], within: tuple[str, ...]) -> set[Path]:
-    found: set[Path] = set()
+    paths: set[Path] = set()
     waiting = [name for name in modules if counts(name, within)]
     seen = {*waiting}
     while waiting:
         sources, imported = _sources_and_imports(waiting.pop())
-        found.update(sources)
+        paths.update(sources)
         new = {name for name in imported - seen if counts(name, within)}
         seen |= new
         waiting.extend(new)
-    return found
+    return paths
 
 
 def counts(module: str, within: tuple[str, ...]) -> bool:

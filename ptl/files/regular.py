@@ -1,4 +1,4 @@
-"""Reading of ordinary files only: a pipe, a device or a folder in a file's place is refused and never waited for."""
+"""Read ordinary files only: a pipe, a device or a folder in place of a file is refused without waiting for it."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ptl.errors import UserError
 
 BLOCK = 2**20
 MAX_BYTES = 2**31
-"""Most bytes of a file that is read whole."""
+"""Maximum size in bytes of a file that is read whole."""
 
 
 class NotReadable(UserError):
-    """There is no ordinary file of that name, or it cannot be read; ``reason`` says so in a few words.
+    """The path is not an ordinary file or cannot be read; ``reason`` describes this in a few words.
 
     Attributes
     ----------
     reason : str
     missing : bool
-        Whether there is nothing of that name at all.
+        Whether the path does not exist.
     """
 
     def __init__(self, path: str | os.PathLike[str], reason: str, *, missing: bool = False) -> None:
@@ -31,7 +31,7 @@ class NotReadable(UserError):
 
 
 def kind_of(mode: int) -> str:
-    """Return what is there instead of an ordinary file, in words; empty for an ordinary file."""
+    """Return a description of a path that is not an ordinary file; empty for an ordinary file."""
     if stat.S_ISREG(mode):
         return ""
     kinds = {
@@ -41,12 +41,12 @@ def kind_of(mode: int) -> str:
 
 
 def refuse_other(*paths: str | os.PathLike[str]) -> None:
-    """Refuse to write where there is something else than an ordinary file: a pipe would wait for a reader.
+    """Refuse to write to an existing path that is not an ordinary file: a pipe would wait for a reader.
 
     Raises
     ------
     UserError
-        Naming the first such path and what is there.
+        Naming the first such path and its type.
     """
     for path in paths:
         if os.path.lexists(path) and (other := kind_of(os.lstat(path).st_mode)):
@@ -59,7 +59,7 @@ def read_bytes(path: str | os.PathLike[str], limit: int) -> bytes:
     Raises
     ------
     NotReadable
-        If there is none, it is something else than an ordinary file, or has more than ``limit`` bytes.
+        If it does not exist, is not an ordinary file, or has more than ``limit`` bytes.
     """
     return b"".join(_blocks(path, limit))
 
@@ -79,12 +79,12 @@ def _blocks(path: str | os.PathLike[str], limit: int | None) -> Iterator[bytes]:
             raise NotReadable(path, f"{other}, not a file")
         descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
         with os.fdopen(descriptor, "rb", buffering=0) as file:
-            found = os.fstat(descriptor)
-            if other := kind_of(found.st_mode):
+            status = os.fstat(descriptor)
+            if other := kind_of(status.st_mode):
                 raise NotReadable(path, f"{other}, not a file")
-            if limit is not None and found.st_size > limit:
+            if limit is not None and status.st_size > limit:
                 raise NotReadable(path, f"more than {limit} bytes")
-            rest = found.st_size  # no more, though some files of the system never end
+            rest = status.st_size  # no more, though some files of the system never end
             while rest and (block := file.read(min(rest, BLOCK))):
                 rest -= len(block)
                 yield block
@@ -99,9 +99,9 @@ def below(folder: Path) -> Iterator[Path]:
     for place, folders, files in os.walk(folder, followlinks=True):
         kept = []
         for name in folders:
-            found = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 - a walk of many files
-            if (found.st_dev, found.st_ino) not in seen:
-                seen.add((found.st_dev, found.st_ino))
+            status = os.stat(os.path.join(place, name))  # noqa: PTH116, PTH118 - a walk of many files
+            if (status.st_dev, status.st_ino) not in seen:
+                seen.add((status.st_dev, status.st_ino))
                 kept.append(name)
         folders[:] = kept
         yield from (Path(place, name) for name in files)

@@ -170,23 +170,23 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, np.ndarray], di
 
 
 def digest_in(path: str | os.PathLike[str]) -> str | None:
-    """Return the digest of the job that made a file, None if there is no such file or it does not say so."""
+    """Return the digest of the job that made a file, None if the file does not exist or does not name one."""
     try:
         with open(path, "rb") as file:  # noqa: PTH123 - every planning of a run looks at all result files
             file.seek(-SEAL_BYTES, os.SEEK_END)
-            found = SEAL.fullmatch(file.read())
+            match = SEAL.fullmatch(file.read())
     except OSError:
         return None
-    return found[1].decode() if found else None
+    return match[1].decode() if match else None
 
 
 def _unsealed(content: bytes) -> bytes:
     """Return the HDF5 data of a file, without the line at its end."""
     image, line = content[:-SEAL_BYTES], content[-SEAL_BYTES:]
-    found = SEAL.fullmatch(line)
-    if not found:
+    match = SEAL.fullmatch(line)
+    if not match:
         raise Misfit("damaged, or no result file of this version (no checksum at its end)")
-    if hashlib.sha256(image).hexdigest().encode() != found[2]:
+    if hashlib.sha256(image).hexdigest().encode() != match[2]:
         raise Misfit("damaged (its bytes do not match its checksum)")
     return image
 

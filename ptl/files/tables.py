@@ -13,7 +13,7 @@ from ptl.files.csv import read_csv
 from ptl.keys import shortened
 
 NAMES = ("environment", "task", "method", "metric")
-"""Columns whose values are text, whatever they look like."""
+"""Columns whose values are always text, even if they look like numbers."""
 
 
 def read_table(path: str | Path, columns: Iterable[str], texts: Iterable[str] = ()) -> pd.DataFrame:
@@ -24,7 +24,7 @@ def read_table(path: str | Path, columns: Iterable[str], texts: Iterable[str] = 
     columns : iterable of str
         Columns that it must have.
     texts : iterable of str
-        Columns whose values are text, beside `NAMES`.
+        Columns whose values are text, in addition to `NAMES`.
 
     Raises
     ------

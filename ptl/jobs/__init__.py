@@ -1,4 +1,4 @@
-"""The kinds of jobs that a run consists of, a file each: what decides a result, its place, its work and its content."""
+"""The kinds of jobs of a run, one file each: the inputs of a result, its path, its computation and its contents."""
 
 from ptl.jobs.grow import Grow
 from ptl.jobs.learn import Learn

@@ -62,7 +62,7 @@ class Grow(Job, frozen=True, kw_only=True, tag="growth/2"):
         return {"n": worlds[self.environment].n_states, "t": self.tasks}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no life can contain."""
+        """Yield the impossible values."""
         world, learning = worlds[self.environment], self.settings.learning
         if not grows(arrays["library_size"]):
             yield "its library does not grow from 0 by at most one skill a task"

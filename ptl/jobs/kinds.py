@@ -1,4 +1,4 @@
-"""All kinds of jobs: those of the package, and those of the studies beside it."""
+"""All kinds of jobs: those of the package and those of the studies."""
 
 from __future__ import annotations
 
@@ -8,20 +8,16 @@ from types import ModuleType
 import msgspec
 
 import ptl.jobs  # noqa: F401 - registers its kinds
-from ptl.files.job import KINDS, Job, from_text, lines_of
+from ptl.files.job import KINDS, Job, Tagged, from_text, lines_of
 from ptl.files.provenance import ROOT
-
-
-class _Tagged(msgspec.Struct):
-    kind: str = ""
 
 
 def job_from(text: str | bytes) -> Job:
     """Return the job that a text describes; errors as in `ptl.files.job.from_text`."""
     try:
-        known = msgspec.json.decode(text, type=_Tagged).kind in KINDS
+        known = msgspec.json.decode(text, type=Tagged).kind in KINDS
     except msgspec.MsgspecError:
-        known = True  # `from_text` says what is wrong
+        known = True  # `from_text` reports the error
     if not known:
         register_studies()
     return from_text(text)

@@ -77,7 +77,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         """Learn the tasks."""
         world, kind = worlds[self.environment], configured(self.reference, self.own)
         tasks = watch(tasks_of(world, self.tasks))
-        with methods.blamed(self.reference):
+        with methods.reporting_errors_of(self.reference):
             life = learn_life(world, tasks, kind, self.settings, self.root_seed, self.environment, self.seed)
         arrays: dict[str, np.ndarray] = {}
         for record in life.records:
@@ -89,7 +89,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
         return {"n": worlds[self.environment].n_states, "e": self.settings.learning.episodes}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no life can contain."""
+        """Yield the impossible values."""
         world, limit = worlds[self.environment], self.settings.learning.max_steps
         if {name.split("/")[1] for name in arrays if name.startswith("tasks/")} != {*self.tasks}:
             yield f"its tasks are not {self.tasks}"
@@ -115,7 +115,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
 
 
 def episode_faults(steps: np.ndarray, shortest: int, limit: int) -> Iterator[str]:
-    """Yield what is impossible in steps per episode."""
+    """Yield the impossible values in steps per episode."""
     if ((steps < shortest) & (steps != limit)).any():
         yield f"an episode is shorter than the shortest path of {shortest} steps"
     if (steps > limit).any():
@@ -139,7 +139,7 @@ def library_arrays(library: SkillLibrary | None, n_states: int) -> dict[str, np.
 
 
 def library_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: int) -> Iterator[str]:
-    """Yield what is impossible in the arrays `LIBRARY`, if they are there."""
+    """Yield the impossible values in the arrays `LIBRARY`, if these exist."""
     if (arrays.get("library/learned_after", np.zeros(1)) >= tasks).any():
         yield "its library has a skill of a task that is not there"
     for skill in skills_of(arrays) or []:
@@ -196,14 +196,14 @@ class TaskView(NamedTuple):
 
 def tasks_in(result: Result) -> dict[str, TaskView]:
     """Return the tasks of a learning file by letter, in the order in which they were learned."""
-    found = {}
+    views = {}
     for letter in result.job.tasks:
         values: list[Any] = [result.arrays[f"tasks/{letter}/{name}"] for name in TaskView._fields[1:]]
         plain: list[Any] = [value.item() if value.ndim == 0 else value for value in values]
-        found[letter] = TaskView._make(
+        views[letter] = TaskView._make(
             [letter, *(part.decode() if isinstance(part, bytes) else part for part in plain)]
         )
-    return found
+    return views
 
 
 def _task_arrays(record: TaskRecord) -> dict[str, np.ndarray]:

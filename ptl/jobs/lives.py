@@ -1,4 +1,4 @@
-"""Many lives in one job, kept as a few arrays: what verdicts need, and no more."""
+"""Many lives in one job, stored as the few arrays that verdicts need."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ptl.learning.lives import grow_lives, learn_lives
 from ptl.world.gridworld import GridWorld
 
 STREAM = "robustness"
-"""First name of the random streams, so that lives which decide claims are others than those of the tables."""
+"""First name of the random streams, so that lives which decide claims differ from those of the tables."""
 
 LIVES = {
     "seeds": Array("int64", ("s",), "seeds, in the order of the rows", 0),
@@ -74,12 +74,12 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
         return {"s": self.seeds, "t": len(self.tasks), "e": episodes, "n": states}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no lives can contain."""
+        """Yield the impossible values."""
         yield from lives_faults(arrays, worlds[self.environment], self.tasks, self.settings.learning.max_steps)
 
 
 def lives_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: str, limit: int) -> Iterator[str]:
-    """Yield what is impossible in the arrays `LIVES`."""
+    """Yield the impossible values in the arrays `LIVES`."""
     if (arrays["seeds"] != np.arange(len(arrays["seeds"]))).any():
         yield "its seeds are not 0, 1, 2, ..."
     shortest = world.distances_to(world.start)[[world.goal(letter) for letter in tasks]]
@@ -123,6 +123,6 @@ class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
         return {"r": self.runs, "g": self.tasks + 1}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no library can do."""
+        """Yield the impossible values."""
         if not grows(arrays["library_size"]):
             yield "a library does not grow from 0 by at most one skill a task"

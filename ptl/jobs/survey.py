@@ -68,7 +68,7 @@ class Survey(Job, frozen=True, kw_only=True, tag="frequencies/2"):
         return {"n": worlds[self.environment].n_states}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no survey can count."""
+        """Yield the impossible values."""
         if (self.batch or 0) >= self.batches:
             yield f"its batch {self.batch} is none of its {self.batches} batches"
         elif int(arrays["counts"].sum()) + int(arrays["unresolved"]) != int(arrays["pairs"]):

@@ -1,4 +1,4 @@
-"""The row of the subgoal table that one learned task leaves."""
+"""The row of the subgoal table for one learned task."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 
-class Found(NamedTuple):
+class SubgoalRow(NamedTuple):
     """Subgoal and peaks of the metrics after one task.
 
     Attributes
@@ -33,9 +33,9 @@ class Found(NamedTuple):
     original_peak: int
 
 
-def found(subgoal: int, reason: str, novelty: float, incremental: np.ndarray, original: np.ndarray) -> Found:
+def subgoal_row(subgoal: int, reason: str, novelty: float, incremental: np.ndarray, original: np.ndarray) -> SubgoalRow:
     """Return the row of a task; the metrics are float arrays (n_states,)."""
-    return Found(subgoal, novelty, float(np.max(incremental)), reason, _peak(incremental), _peak(original))
+    return SubgoalRow(subgoal, novelty, float(np.max(incremental)), reason, _peak(incremental), _peak(original))
 
 
 def _peak(metric: np.ndarray) -> int:

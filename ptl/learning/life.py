@@ -22,8 +22,8 @@ from ptl.methods._base import BaseMethod
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 
-MOST_DRAWN = 2**31 - 1
-"""Largest number of a skill in a result file."""
+MAX_DRAWN = 2**31 - 1
+"""Maximum number of a skill in a result file."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Task:
 
 @dataclass(frozen=True)
 class TaskRecord:
-    """All that is kept of one learned task.
+    """The record of one learned task.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ def learn_task(
     """
     if task.start == task.goal:
         raise UserError(f"task {task.name}: starts at its goal, state {task.goal}; give two states")
-    learning, rates = parameters.learning, method.parameters.learning  # a method may have rates of its own
+    learning, rates = parameters.learning, method.parameters.learning  # a method may have its own rates
     initial_q = method.begin_task(task.start, task.goal)
     learner = Learner(
         dynamics,
@@ -181,12 +181,12 @@ def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
         return drawn
     raise UserError(
         f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), numbers from 0"
-        f" to {MOST_DRAWN} and at most one more than steps, not {shortened(repr(drawn))}"
+        f" to {MAX_DRAWN} and at most one more than steps, not {shortened(repr(drawn))}"
     )
 
 
 def _is_draw(number: Any) -> bool:
-    return isinstance(number, (int, np.integer)) and 0 <= int(number) <= MOST_DRAWN
+    return isinstance(number, (int, np.integer)) and 0 <= int(number) <= MAX_DRAWN
 
 
 def learn_life(

@@ -1,4 +1,4 @@
-"""Many lives of one method in one process, kept as a few arrays: what measures and verdicts need, and no more."""
+"""Many lives of one method in one process, stored as the few arrays that measures and verdicts need."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from ptl.agent import seeding
 from ptl.config import Parameters
-from ptl.learning.discoveries import Found, found
+from ptl.learning.discoveries import SubgoalRow, subgoal_row
 from ptl.learning.growth import METHOD as GROWTH_METHOD
 from ptl.learning.growth import random_tasks
 from ptl.learning.life import TaskRecord, learn_life, tasks_of
@@ -41,7 +41,7 @@ def learn_lives(
     -------
     dict of arrays
         ``seeds`` (lives,), ``steps`` (lives, tasks, episodes), ``truncated`` (lives, tasks; number of episodes) and, if
-        the method keeps a library, the fields of `ptl.learning.discoveries.Found` (lives, tasks).
+        the method keeps a library, the fields of `ptl.learning.discoveries.SubgoalRow` (lives, tasks).
     """
     tasks = tasks_of(world, letters)
     done: list[int] = []
@@ -55,18 +55,18 @@ def learn_lives(
         steps.append([record.steps for record in life.records])
         truncated.append([np.count_nonzero(record.truncated) for record in life.records])
         if life.library is not None:
-            rows.append([_found(record) for record in life.records])
+            rows.append([_subgoal_row(record) for record in life.records])
         taken += int(np.sum(steps[-1]))
     arrays = {"seeds": np.array(done), "steps": np.array(steps), "truncated": np.array(truncated)}
-    for name in Found._fields if rows else ():
+    for name in SubgoalRow._fields if rows else ():
         values = np.array([[getattr(cell, name) for cell in row] for row in rows])
         arrays[name] = values.astype(bytes) if values.dtype.kind == "U" else values
     return arrays
 
 
-def _found(record: TaskRecord) -> Found:
+def _subgoal_row(record: TaskRecord) -> SubgoalRow:
     metrics = (record.discovery.incremental.product, record.discovery.original.product)
-    return found(record.update.subgoal, record.update.reason, record.discovery.novelty, *metrics)
+    return subgoal_row(record.update.subgoal, record.update.reason, record.discovery.novelty, *metrics)
 
 
 def grow_lives(

@@ -1,4 +1,4 @@
-"""Where the survey of subgoals starts, apart from the survey itself."""
+"""The start states of the survey of subgoals."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ def subgoal_frequencies(
 ) -> dict[str, np.ndarray]:
     """Count subgoals over the tasks to each goal from every start, other than the goal, that can reach it.
 
-    Each goal has a random stream of its own, so the counts do not depend on how goals are shared out to jobs.
+    Each goal has its own random stream, so the counts do not depend on how goals are shared out to jobs.
 
     Returns
     -------

@@ -51,7 +51,7 @@ def check_method(method: str | methods.Maker) -> None:
 
 
 def _trial(method: str | methods.Maker) -> Life:
-    with methods.blamed(method), _limited(method):
+    with methods.reporting_errors_of(method), _limited(method):
         return learn_life(TRIAL_WORLD, tasks_of(TRIAL_WORLD, "AB"), method, TRIAL_PARAMETERS, 0, "trial")
 
 

@@ -1,1 +1,1 @@
-"""What follows from the files: measures, estimates with intervals, verdicts, and how robust they are."""
+"""Measures of a run and estimates with intervals, computed from its files."""

@@ -1,4 +1,4 @@
-"""What a run will take, estimated from its configuration and maps before anything is planned or learned.
+"""The cost of a run, estimated from its configuration and maps before anything is planned or learned.
 
 Rules of thumb, fitted to runs on the published maps, within a factor of about three: they prevent
 accidental runs of several weeks, or of more jobs than can be planned in memory.
@@ -15,10 +15,10 @@ from ptl.text import number
 from ptl.world.gridworld import GridWorld
 
 START = 0.25
-"""CPU seconds of a job that are not learning."""
+"""CPU seconds of a job besides learning."""
 
 LIFE = 0.02
-"""CPU seconds of a life that are not steps: subgoals and skills."""
+"""CPU seconds of a life besides its steps: subgoals and skills."""
 
 STEPS_A_SECOND = 1e8
 SEARCH = 20
@@ -34,15 +34,15 @@ MIN_BYTES, PLANNED_BYTES = 3e8, 20_000
 """Memory of the packages themselves, and of Snakemake's graph for each job."""
 
 MAX_JOBS, MAX_HOURS, MAX_BYTES = 40_000, 500, 8 * 10**9
-"""Above one of these a run must be asked for: planning takes 1 GB; CPU hours; memory of one process."""
+"""Above one of these limits a run must be requested: planning takes 1 GB; CPU hours; memory of one process."""
 
 FLAG = "PTL_LARGE_RUN"
-"""Environment variable that asks for it."""
+"""Environment variable that requests it."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """About what a run takes.
+    """Approximate cost of a run.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Cost:
 
 
 def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
-    """Estimate what all jobs of a completed configuration take together.
+    """Estimate the total cost of all jobs of a completed configuration.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
 
 
 def together(jobs: int, lives: int, steps: float) -> Cost:
-    """Return the cost of jobs with so many lives and steps."""
+    """Return the cost of jobs with these numbers of lives and steps."""
     return Cost(jobs, steps, _hours(jobs, lives, steps), MIN_BYTES + PLANNED_BYTES * jobs)
 
 
@@ -115,32 +115,32 @@ def _hours(jobs: int, lives: int, steps: float) -> float:
 
 
 def steps_of_life(world: GridWorld, tasks: str, learning: Learning) -> float:
-    """Return about how many steps a life of tasks takes without transfer."""
+    """Return the approximate steps of a life of tasks without transfer."""
     lengths = [world.shortest_path_length(world.start, world.goals[task]) for task in tasks]
     return sum(steps_of_task(world.n_states, length, learning) for length in lengths)
 
 
 def steps_of_task(states: int, distance: float, learning: Learning) -> float:
-    """Return about how many steps a task takes: some to find the goal, and each episode along the path found."""
+    """Return the approximate steps of a task: the search for the goal, then episodes along the path."""
     walk = states * distance
     along = min(walk, distance / (1 - learning.epsilon)) if learning.epsilon < 1 else walk
     return min(SEARCH * walk + learning.episodes * along, float(learning.episodes * learning.max_steps))
 
 
 def check_cost(cost: Cost, allowed: bool) -> None:
-    """Refuse a run that is larger than most people intend, unless it was asked for.
+    """Refuse a run that is probably larger than intended, unless it was requested.
 
     Raises
     ------
     UserError
         Naming the estimate, the limit and the ways on.
     """
-    for found, limit, unit in (
+    for amount, limit, unit in (
         (cost.jobs, MAX_JOBS, "learning jobs"),
         (cost.hours, MAX_HOURS, "CPU hours"),
         (cost.memory, MAX_BYTES, "bytes of memory"),
     ):
-        if found > limit and not allowed:
+        if amount > limit and not allowed:
             raise UserError(
                 f"this run would take {cost} (estimated), more than {number(limit)} {unit}; split it into"
                 f" configurations with fewer seeds, each with its own 'run' and 'root_seed', or set"

@@ -29,7 +29,7 @@ class TwoSlopes:
 
 
 def fit_two_slopes(sizes: np.ndarray, bend: float) -> TwoSlopes:
-    """Fit a line of two slopes by least squares (the bend is given; form of the fit: our choice).
+    """Fit a line of two slopes by least squares (the bend is given; the form of the fit is our choice).
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
-from ptl.learning.discoveries import Found
+from ptl.learning.discoveries import SubgoalRow
 
 if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
@@ -220,8 +220,8 @@ class Runs:
     steps : int array (seeds, episodes)
     truncated : int array (seeds,)
         Number of episodes cut off at the step limit.
-    found : dict of arrays (seeds,), optional
-        Fields of `ptl.learning.discoveries.Found`, for methods that keep a library.
+    subgoals : dict of arrays (seeds,), optional
+        Fields of `ptl.learning.discoveries.SubgoalRow`, for methods that keep a library.
     """
 
     environment: str
@@ -230,7 +230,7 @@ class Runs:
     seeds: np.ndarray
     steps: np.ndarray
     truncated: np.ndarray
-    found: Mapping[str, np.ndarray] | None = None
+    subgoals: Mapping[str, np.ndarray] | None = None
 
     @property
     def names(self) -> Names:
@@ -248,7 +248,7 @@ class Measurements:
         Columns `PER_SEED_COLUMNS`. Comparisons are missing where a seed has no run of the base.
     subgoals : DataFrame
         Columns `SUBGOAL_COLUMNS`, a row for each task of the methods that keep a library; the cell is missing if no
-        subgoal was taken up. See `ptl.learning.discoveries.Found`.
+        subgoal was taken up. See `ptl.learning.discoveries.SubgoalRow`.
     steps : dict
         (environment, method, task) to int array (seeds, episodes), seeds in ascending order.
     """
@@ -300,7 +300,7 @@ def measure(
         )
         names = {"environment": own.environment, "task": own.task, "method": own.method, "seed": own.seeds}
         frames.append(pd.DataFrame(names | {measure.name: measure.column(curves) for measure in PER_SEED}))
-    learners = list(dict.fromkeys((own.environment, own.method) for own in runs if own.found is not None))
+    learners = list(dict.fromkeys((own.environment, own.method) for own in runs if own.subgoals is not None))
     parts = [
         pd.concat([_subgoals(own, worlds[own.environment]) for own in runs if own.names[:2] == learner])
         for learner in learners
@@ -322,11 +322,11 @@ def _paired(own: Runs, base: Runs | None) -> np.ndarray | None:
 
 
 def _subgoals(own: Runs, world: GridWorld) -> pd.DataFrame:
-    assert own.found is not None
-    subgoal = own.found["subgoal"]
+    assert own.subgoals is not None
+    subgoal = own.subgoals["subgoal"]
     row, column = (pd.Series(part, dtype="Int64").mask(subgoal < 0) for part in world.cells[subgoal].T)
     names = {"environment": own.environment, "method": own.method, "seed": own.seeds, "task": own.task}
-    return pd.DataFrame({**names, "row": row, "column": column, **own.found})[list(SUBGOAL_COLUMNS)]
+    return pd.DataFrame({**names, "row": row, "column": column, **own.subgoals})[list(SUBGOAL_COLUMNS)]
 
 
 def runs_of(environment: str, method: str, letters: str, arrays: Mapping[str, np.ndarray]) -> list[Runs]:
@@ -337,6 +337,6 @@ def runs_of(environment: str, method: str, letters: str, arrays: Mapping[str, np
 def _runs(names: tuple[str, str, str], arrays: Mapping[str, np.ndarray], index: int) -> Runs:
     kept = None
     if "subgoal" in arrays:
-        kept = {name: arrays[name][:, index] for name in Found._fields}
+        kept = {name: arrays[name][:, index] for name in SubgoalRow._fields}
         kept["reason"] = kept["reason"].astype(str)
     return Runs(*names, arrays["seeds"], arrays["steps"][:, index], arrays["truncated"][:, index], kept)

@@ -1,6 +1,6 @@
 """The files of a run: result files measured, and the tables made from them read back.
 
-What the measures are is in `ptl.measures.measures`, which reads and writes nothing.
+See `ptl.measures.measures` for the definitions of the measures; that module reads and writes no files.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ptl.errors import UserError
 from ptl.files.store import Result, read_arrays, write_arrays
 from ptl.files.tables import read_table
 from ptl.jobs.learn import TaskView, tasks_in
-from ptl.learning.discoveries import Found, found
+from ptl.learning.discoveries import SubgoalRow, subgoal_row
 from ptl.measures.library_cost import SELECTION_COLUMNS, STORAGE_COLUMNS
 from ptl.measures.measures import PER_SEED_COLUMNS, SUBGOAL_COLUMNS, Measurements, Names, Runs, Steps, measure
 from ptl.world.gridworld import GridWorld
@@ -42,24 +42,29 @@ def measure_files(
         If a file cannot be used, or the window is longer than a task.
     """
     worlds: dict[str, GridWorld] = {}
-    collected: dict[Names, list[tuple[int, np.ndarray, int, Found | None]]] = {}
+    collected: dict[Names, list[tuple[int, np.ndarray, int, SubgoalRow | None]]] = {}
     for result in results:
         job = result.job
         worlds[job.environment] = result.world
         keeps_library = "library/subgoals" in result.arrays
         for letter, task in tasks_in(result).items():
-            row = job.seed, task.steps, int(np.count_nonzero(task.truncated)), _found(task) if keeps_library else None
+            row = (
+                job.seed,
+                task.steps,
+                int(np.count_nonzero(task.truncated)),
+                _subgoal_row(task) if keeps_library else None,
+            )
             collected.setdefault((job.environment, job.method, letter), []).append(row)
     if not collected:
         raise UserError("no learning file to measure; name at least one")
     return measure([*(_together(*item) for item in collected.items()), *foreign], worlds, window, threshold_factor)
 
 
-def _found(task: TaskView) -> Found:
-    return found(task.subgoal, task.reason, task.novelty, task.incremental, task.original)
+def _subgoal_row(task: TaskView) -> SubgoalRow:
+    return subgoal_row(task.subgoal, task.reason, task.novelty, task.incremental, task.original)
 
 
-def _together(names: Names, rows: list[tuple[int, np.ndarray, int, Found | None]]) -> Runs:
+def _together(names: Names, rows: list[tuple[int, np.ndarray, int, SubgoalRow | None]]) -> Runs:
     seeds, steps, truncated, subgoals = zip(*rows, strict=True)
     kept = [row for row in subgoals if row is not None]
     return Runs(
@@ -67,7 +72,7 @@ def _together(names: Names, rows: list[tuple[int, np.ndarray, int, Found | None]
         seeds=np.array(seeds),
         steps=np.stack(steps),
         truncated=np.array(truncated),
-        found=dict(zip(Found._fields, map(np.array, zip(*kept, strict=True)), strict=True)) if kept else None,
+        subgoals=dict(zip(SubgoalRow._fields, map(np.array, zip(*kept, strict=True)), strict=True)) if kept else None,
     )
 
 

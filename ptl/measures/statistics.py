@@ -1,11 +1,11 @@
 """Estimates with intervals: single ones, and those of every measure of a run.
 
-scipy resamples; this module chooses the samples and decides when there is no interval. Choices (ours):
+scipy resamples; this module chooses the samples and decides when an interval is undefined. Choices (ours):
 
 * Intervals of means and ratios are bias-corrected and accelerated (BCa), because step counts are strongly
   skewed. Where BCa is undefined (the estimate is at the edge of its bootstrap distribution) the percentile
   interval of the same resamples is taken. Equal values give an interval of no width; fewer values than
-  `FEWEST_FOR_INTERVAL` give none (NaN).
+  `MIN_FOR_INTERVAL` give none (NaN).
 * A comparison with the base is paired by seed where it is a difference or a ratio; the probability of
   improvement compares all cross pairs, as rliable does (Agarwal et al., NeurIPS 2021), and has a percentile
   interval.
@@ -28,10 +28,10 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.measures.measures import BASE, BY_NAME, MEASURES, PER_SEED, PER_SEED_COLUMNS, Better, Measure
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
 VALUES_AT_ONCE = 2**17
-"""Resampled values that are held at a time: they stay in the processor's cache, and memory is small."""
+"""Resampled values in memory at a time; they fit the processor's cache."""
 
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
@@ -152,7 +152,7 @@ def share(count: int, total: int, how: Resampling) -> Estimate:
     """Return ``count / total`` with its Wilson interval."""
     if total == 0:
         return UNDEFINED
-    if total < FEWEST_FOR_INTERVAL:
+    if total < MIN_FOR_INTERVAL:
         return Estimate(count / total, np.nan, np.nan)
     interval = stats.binomtest(count, total).proportion_ci(how.confidence, method="wilson")
     return Estimate(count / total, float(interval.low), float(interval.high))
@@ -204,11 +204,11 @@ def _bootstrap(
     if smallest == 0:
         return UNDEFINED
     value = float(statistic(*samples))
-    if smallest < FEWEST_FOR_INTERVAL:
+    if smallest < MIN_FOR_INTERVAL:
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)
-    # Two samples draw from the stream in turn, batch by batch; one draws the same numbers whatever the batches are.
+    # Two samples draw from the stream in turn, batch by batch; one draws the same numbers for any batches.
     batch = max(1, VALUES_AT_ONCE // smallest) if paired or len(samples) == 1 else None
     options = {"confidence_level": how.confidence, "paired": paired, "vectorized": True, "batch": batch}
     with warnings.catch_warnings():
@@ -251,7 +251,7 @@ def summarise(per_seed: pd.DataFrame, how: Resampling) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When a column is missing, a row is there twice, or a seed of a method has no run of the base.
+        When a column is missing, a row is duplicated, or a seed of a method has no run of the base.
     """
     _check_per_seed(per_seed)
     rows: list[dict[str, object]] = []

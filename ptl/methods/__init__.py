@@ -1,4 +1,4 @@
-"""The compared methods, one file each, and methods from anywhere else.
+"""The compared methods, one file each, and the loading of users' methods.
 
 A method is named by a reference:
 
@@ -80,7 +80,7 @@ def load(reference: str) -> type[BaseMethod]:
 
 
 def identifier(method: str | Maker) -> str:
-    """Return the word that stands for a method in files, tables and random streams.
+    """Return the identifier of a method in files, tables and random streams.
 
     Raises
     ------
@@ -118,13 +118,13 @@ def by_identifier(references: Iterable[str]) -> dict[str, str]:
     UserError
         If two references have one identifier.
     """
-    found: dict[str, str] = {}
+    by_name: dict[str, str] = {}
     for reference in references:
         name = identifier(reference)
-        if name in found:
-            raise UserError(f"methods {found[name]} and {reference} are both called {name}; rename one of them")
-        found[name] = reference
-    return found
+        if name in by_name:
+            raise UserError(f"methods {by_name[name]} and {reference} are both called {name}; rename one of them")
+        by_name[name] = reference
+    return by_name
 
 
 def source_file(reference: str) -> Path:
@@ -147,8 +147,8 @@ def fault(error: BaseException, method: str | Maker) -> UserError:
 
 
 @contextmanager
-def blamed(method: str | Maker) -> Iterator[None]:
-    """Turn whatever fails in a block that runs a method from elsewhere into one line that names the method."""
+def reporting_errors_of(method: str | Maker) -> Iterator[None]:
+    """Report any failure of a user's method in this block as a one-line `UserError` that names the method."""
     try:
         yield
     except UserError:

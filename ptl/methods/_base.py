@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 class BaseMethod:
     """One learner's life under one method; the state that passes from task to task lives in the instance.
 
-    A method says what it does in an episode in one of two ways: it describes it by `plan`, and the loop over episodes
-    is compiled, or it runs it by `run_episode`, in Python.
+    A method defines its episodes in one of two ways: it describes them by `plan`, and the loop over episodes is
+    compiled, or it runs each by `run_episode`, in Python.
 
     Parameters
     ----------

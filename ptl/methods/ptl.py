@@ -18,7 +18,7 @@ NULL_SKILL = 0
 
 
 def allowed_candidates(number: int, null_skill: bool) -> np.ndarray:
-    """Return which of so many candidates may be drawn, bool (number,): all, or all but the null skill."""
+    """Return which of ``number`` candidates may be drawn, bool (number,): all, or all but the null skill."""
     allowed = np.ones(number, dtype=bool)
     allowed[NULL_SKILL] = null_skill
     return allowed
@@ -61,7 +61,7 @@ class Method(BaseMethod):
         )
 
     def allowed(self, number: int) -> np.ndarray:
-        """Return which of so many candidates may be drawn, as `allowed_candidates`."""
+        """Return which candidates may be drawn, as `allowed_candidates`."""
         return allowed_candidates(number, self.parameters.skills.null_skill or not len(self.library))
 
     def prior(self, goal: int) -> np.ndarray:

@@ -1,1 +1,1 @@
-"""What people look at: tables, figures, pages and the explorer."""
+"""Presentation of results: tables, figures, pages and the explorer."""

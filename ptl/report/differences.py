@@ -1,4 +1,4 @@
-"""The article's statements beside the run's numbers, from the ledger."""
+"""Comparison of the article's statements with the run's numbers, from the ledger."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from ptl.report.ledger import FITTED
 from ptl.report.table import Table, text_table
 from ptl.text import estimate
 
-SHOWN = 6
-"""Comparisons that are written out of one claim; those that do not hold come first."""
+MAX_COMPARISONS = 6
+"""Maximum number of comparisons shown for one claim; those that do not hold come first."""
 
 ORDER = [str(outcome) for outcome in (Outcome.FAILS, Outcome.AT_BOUND, Outcome.OPEN, Outcome.HOLDS)]
 
 
 def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
-    """Lay out what the article says, what the run gives, and the verdicts, for every claim.
+    """Lay out the article's statement, the run's numbers and the verdicts for every claim.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
     rows = []
     for claim in claims.to_dict("records"):
         own = parts[parts["id"] == claim["id"]].assign(order=lambda frame: frame["outcome"].map(ORDER.index))
-        own = own.sort_values("order", kind="stable").head(SHOWN)
+        own = own.sort_values("order", kind="stable").head(MAX_COMPARISONS)
         numbers = "\n".join(map(_part_text, own.to_dict("records"))) or claim["evidence"]
         verdict = claim["verdict"]
         if claim["verdict_plain"]:
@@ -44,7 +44,8 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
     return text_table(
         "The article and this run",
         "The article's statements (in our words) beside the numbers of this run, with intervals in brackets. Of claims"
-        f" with many comparisons {SHOWN} are shown, those that do not hold first; claims_parts.csv has all of them.",
+        f" with many comparisons {MAX_COMPARISONS} are shown, those that do not hold first; claims_parts.csv has all of"
+        " them.",
         headings,
         rows,
         [

@@ -1,4 +1,4 @@
-"""Tables of ``docs/file-format.md`` and studies' pages: what decides a result file of each kind, and what it holds."""
+"""Tables of ``docs/file-format.md`` and studies' pages: the inputs and the contents of each kind of result file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a page of its own."""
+"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a separate page."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def compose_page(
     figures: Mapping[str, tuple[str, str]],
     tables: Mapping[str, str],
 ) -> str:
-    """Compose ``index.html``, which shows the products beside it: the first page, all figures, links to the tables.
+    """Compose ``index.html``, which shows the products in its folder: the first page, all figures, links to the tables.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def _facts(
     tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> dict[str, Any]:
-    """Return what both forms of the page show."""
+    """Return the contents of both forms of the page."""
     article = claims is not None
     if claims is None:
         claims = pd.DataFrame(columns=["id", "verdict", "verdict_30"])

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.claims.claim import Judgement
-from ptl.claims.evidence import SEEDS_NEEDED
+from ptl.claims.evidence import MIN_SEEDS
 from ptl.claims.thresholds import MEANINGS
 from ptl.claims.verdict import RESOLUTION, Outcome, Part, Verdict
 from ptl.report.templating import render
@@ -23,11 +23,11 @@ PART_COLUMNS = (
     "estimate_30", "low_30", "high_30", "outcome_30",
 )  # fmt: skip
 
-SHOWN_PARTS = 8
-"""Parts that are written out; of a claim with more of them only those that do not hold."""
+MAX_PARTS = 8
+"""Maximum number of parts shown; of a claim with more parts only those that do not hold are shown."""
 
-LISTED = 12
-"""Parts that do not hold and are written out of a claim with many of them."""
+MAX_MISSED_PARTS = 12
+"""Maximum number of parts shown that do not hold, of a claim with many of them."""
 
 SYMBOLS = {Verdict.REPRODUCED: "✓", Verdict.PARTLY: "◐", Verdict.NOT: "✗", Verdict.UNDECIDED: "?"}
 MARKS = {Outcome.HOLDS: "✓", Outcome.FAILS: "✗", Outcome.AT_BOUND: "≈", Outcome.OPEN: "○"}
@@ -40,7 +40,7 @@ RULE = (
     " the estimate is a difference to, and of 1 for shares and ratios); more runs would hardly tell the two apart. It"
     " is open if the interval reaches further. Reproduced: all parts hold; partly reproduced: some; not reproduced:"
     " none holds, and at least one fails or lies at the bound; undecided: all are open, or the run lacks something or"
-    f" has fewer than {SEEDS_NEEDED} seeds. So a part at the bound never helps a claim. Where a claim's words admit a"
+    f" has fewer than {MIN_SEEDS} seeds. So a part at the bound never helps a claim. Where a claim's words admit a"
     " strict and a plain reading, the verdict follows the strict one, and the plain one has its own verdict beside it."
     " Parts are not corrected for their number, so of many a few may miss by chance. A claim that names no task or"
     " method is about task F and the method ptl."
@@ -51,7 +51,7 @@ FITTED = (
     "The drawings of maps 1 and 2 and the width of PTL's prior were chosen because they fit these claims, so agreement"
     " is a fit and no prediction; docs/reconstruction.md says what the choice is worth on claims that it had not seen."
 )
-"""What a reader of any verdict must know of the published maps and settings."""
+"""Notes on the published maps and settings that apply to every verdict."""
 
 
 def run_text(seeds: int, few: int, statistics: Any, others: Mapping[str, int] | None = None) -> str:
@@ -106,15 +106,15 @@ def _tally(parts: Sequence[Part]) -> str:
 def _headline(judgement: Judgement) -> str:
     if judgement.reason:
         return judgement.reason
-    if len(judgement.parts) <= SHOWN_PARTS:
+    if len(judgement.parts) <= MAX_PARTS:
         return ""
     return f"{'strict reading: ' if judgement.plain else ''}{_tally(judgement.parts)}"
 
 
 def _parts_to_show(judgement: Judgement) -> Sequence[Part]:
-    if len(judgement.parts) <= SHOWN_PARTS:
+    if len(judgement.parts) <= MAX_PARTS:
         return judgement.parts
-    return _missed(judgement)[:LISTED]
+    return _missed(judgement)[:MAX_MISSED_PARTS]
 
 
 def _missed(judgement: Judgement) -> list[Part]:
@@ -124,8 +124,8 @@ def _missed(judgement: Judgement) -> list[Part]:
 
 
 def _rest(judgement: Judgement) -> str:
-    hidden = len(_missed(judgement)) - LISTED
-    return f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > SHOWN_PARTS and hidden > 0 else ""
+    hidden = len(_missed(judgement)) - MAX_MISSED_PARTS
+    return f"and {hidden} more in claims_parts.csv" if len(judgement.parts) > MAX_PARTS and hidden > 0 else ""
 
 
 # -- CSV ----------------------------------------------------------------------------------------------------
@@ -228,7 +228,7 @@ def _row(judgement: Judgement, alone: Judgement) -> dict[str, Any]:
         "parts": list(map(_part, _parts_to_show(judgement))),
         "rest": _rest(judgement),
         "notes": judgement.notes,
-        "every_part": list(map(_part, judgement.parts)) if len(judgement.parts) > SHOWN_PARTS else [],
+        "every_part": list(map(_part, judgement.parts)) if len(judgement.parts) > MAX_PARTS else [],
         "every_plain_part": list(map(_part, judgement.plain)),
         "shown_in": [
             {"label": label(item), "path": f"tables/{item}.md" if item.startswith("table") else f"figures/{item}.png"}

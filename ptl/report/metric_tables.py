@@ -17,9 +17,9 @@ import pandas as pd
 
 from ptl.errors import UserError
 from ptl.measures.measures import BASE, MEASURES
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report import table
-from ptl.report.table import Cell, Group, Row, Table
+from ptl.report.table import Cell, Row, RowGroup, Table
 from ptl.report.table_kinds import KINDS, table_title
 from ptl.text import MISSING, interval, number, percent
 
@@ -27,7 +27,7 @@ NOT_REACHED = "not reached"
 
 
 @dataclass(frozen=True)
-class Column:
+class MetricColumn:
     """One metric of a table, with the columns that follow from it.
 
     Attributes
@@ -61,18 +61,18 @@ class Column:
     @property
     def parts(self) -> list[table.Column]:
         """Columns of the page."""
-        found = [table.Column(self.heading, self.unit)]
-        found += [table.Column(self.heading, "reached")] * self.with_share
-        found += [table.Column(self.heading, "P")] * self.with_improvement
-        return found
+        parts = [table.Column(self.heading, self.unit)]
+        parts += [table.Column(self.heading, "reached")] * self.with_share
+        parts += [table.Column(self.heading, "P")] * self.with_improvement
+        return parts
 
 
-def columns_of(kind: str) -> Iterator[Column]:
+def columns_of(kind: str) -> Iterator[MetricColumn]:
     """Yield a column for each measure of a kind of table; the probability of improvement is shown once a comparison."""
     shown: set[str] = set()
     for measure in MEASURES:
         if measure.table == kind:
-            yield Column(
+            yield MetricColumn(
                 measure.name,
                 measure.heading,
                 measure.unit,
@@ -117,7 +117,7 @@ def build_tables(
     list of (Table, DataFrame)
         Each table with its numbers.
     """
-    found: list[tuple[Table, pd.DataFrame]] = []
+    tables: list[tuple[Table, pd.DataFrame]] = []
     for environment, title in titles.items():
         frame = metrics[metrics["environment"] == environment]
         if frame.empty:
@@ -127,7 +127,7 @@ def build_tables(
             notes = [*_common_notes(frame, statistics, methods, reproduction), *_kind_notes(kind, measures)]
             groups, numbers = _body(frame, columns, methods)
             parts = [part for column in columns for part in column.parts]
-            found.append(
+            tables.append(
                 (
                     Table(
                         title=table_title(kind, title),
@@ -136,13 +136,13 @@ def build_tables(
                         columns=parts,
                         groups=groups,
                         notes=notes[1:],
-                        number=len(found) + 1,
+                        number=len(tables) + 1,
                         group_heading="Task",
                     ),
                     pd.DataFrame(numbers),
                 )
             )
-    return found
+    return tables
 
 
 def write_tables(tables: Sequence[tuple[Table, pd.DataFrame]], folder: Path) -> None:
@@ -152,8 +152,8 @@ def write_tables(tables: Sequence[tuple[Table, pd.DataFrame]], folder: Path) -> 
 
 
 def _body(
-    frame: pd.DataFrame, columns: Sequence[Column], methods: Mapping[str, tuple[str, str]]
-) -> tuple[list[Group], list[dict[str, object]]]:
+    frame: pd.DataFrame, columns: Sequence[MetricColumn], methods: Mapping[str, tuple[str, str]]
+) -> tuple[list[RowGroup], list[dict[str, object]]]:
     groups, numbers = [], []
     for position, (task, part) in enumerate(frame.groupby("task", sort=False)):
         estimates = part.set_index(["method", "metric"]).to_dict("index")
@@ -172,11 +172,11 @@ def _body(
             rows.append(Row(label, cells, colour))
             numbers.append(record)
         heading = f"Task {task}" if position else f"Task {task}: nothing to transfer yet"
-        groups.append(Group(rows, heading, str(task)))
+        groups.append(RowGroup(rows, heading, str(task)))
     return groups, numbers
 
 
-def best_methods(column: Column, values: Mapping[str, Mapping[str, Any]]) -> set[str]:
+def best_methods(column: MetricColumn, values: Mapping[str, Mapping[str, Any]]) -> set[str]:
     """Return the methods whose number is in bold: the best, and those that read the same; none if all read the same.
 
     A time to threshold competes only among the methods that reached it in the most seeds: a mean over few lucky seeds
@@ -194,7 +194,7 @@ def best_methods(column: Column, values: Mapping[str, Mapping[str, Any]]) -> set
     return set() if len(chosen) == len(values) else chosen
 
 
-def _cells(column: Column, row: Mapping[str, Any], best: bool, is_base: bool) -> Iterator[Cell]:
+def _cells(column: MetricColumn, row: Mapping[str, Any], best: bool, is_base: bool) -> Iterator[Cell]:
     n, by_definition = int(row["n"]), is_base and column.against_base
     if by_definition and n:
         yield Cell(number(0.0))
@@ -210,7 +210,7 @@ def _cells(column: Column, row: Mapping[str, Any], best: bool, is_base: bool) ->
         yield Cell(number(row["improvement"]), aside=True)
 
 
-def _numbers(column: Column, row: Mapping[str, Any], best: bool) -> dict[str, object]:
+def _numbers(column: MetricColumn, row: Mapping[str, Any], best: bool) -> dict[str, object]:
     names = [column.value, *([column.spread] if column.spread else []), column.low, column.high, "n", "seeds"]
     names += ["reached"] * column.with_share
     names += ["improvement", "improvement_low", "improvement_high"] * column.with_improvement
@@ -241,9 +241,9 @@ def _common_notes(
     intervals = (
         f"in brackets the {percent(statistics.confidence)} bootstrap interval of the mean (BCa,"
         f" {number(statistics.resamples)} resamples; paired by seed where a method is compared with the base; none for"
-        f" fewer than {FEWEST_FOR_INTERVAL} values)."
-        if seeds[-1] >= FEWEST_FOR_INTERVAL
-        else f"no intervals, which take at least {FEWEST_FOR_INTERVAL} seeds."
+        f" fewer than {MIN_FOR_INTERVAL} values)."
+        if seeds[-1] >= MIN_FOR_INTERVAL
+        else f"no intervals, which take at least {MIN_FOR_INTERVAL} seeds."
     )
     notes = [
         f"Mean ± standard deviation over {' or '.join(map(str, seeds))} seeds{' of this reproduction' * reproduction};"

@@ -14,24 +14,24 @@ TASK = "F"
 """Task of the first table: the last one of each environment."""
 
 PAGES = {"report": "index.html", "explorer of single runs": "explorer.html", "verdicts": "claims.md"}
-"""Pages that a checkout holds, by what they are called."""
+"""Pages of a checkout by title."""
 
 
 def result(published: Path) -> str:
-    """Return the result in one sentence, and the article's statements on task F beside our numbers."""
+    """Return the result in one sentence, and the article's statements on task F with our numbers."""
     metrics = read_csv(published / "tables/metrics.csv")
-    found = metrics[metrics["task"] == TASK].set_index(["environment", "method", "metric"])
+    estimates = metrics[metrics["task"] == TASK].set_index(["environment", "method", "metric"])
 
     def ours(environment: str, metric: str, method: str = "ptl", as_percent: bool = False) -> str:
-        row = found.loc[environment, method, metric]
+        row = estimates.loc[environment, method, metric]
         factor = 100 if as_percent and metric == "transfer_ratio" else 1
         value, low, high = (round(factor * row[name], 1) for name in ("mean", "ci_low", "ci_high"))
         return estimate(value, low, high, "%" if as_percent else "")
 
     def mean(environment: str, metric: str, method: str) -> str:
-        return number(round(found.loc[environment, method, metric]["mean"]))
+        return number(round(estimates.loc[environment, method, metric]["mean"]))
 
-    runs = int(found["seeds"].max())
+    runs = int(estimates["seeds"].max())
     counts = read_csv(published / "claims.csv")["verdict"].value_counts()
     verdicts = ", ".join(f"{counts[verdict]} {verdict}" for verdict in map(str, Verdict) if verdict in counts)
     first, second, third = (
@@ -44,7 +44,7 @@ def result(published: Path) -> str:
         " these claims](docs/reconstruction.md#choices-made-because-they-fit)."
     )
     others = f"{mean('env1', 'asymptotic', 'no_transfer')} and {mean('env1', 'asymptotic', 'full_transfer')}"
-    reached = percent(round(found.loc["env1", "ptl", "threshold_episode"]["reached"], 2))
+    reached = percent(round(estimates.loc["env1", "ptl", "threshold_episode"]["reached"], 2))
     rows = [
         ("1", "PTL: first episode shorter", "about 80 to 90%", ours("env1", "jump_start_percent", as_percent=True)),
         ("1", "PTL: episodes until learned", "about 80", f"{ours('env1', 'threshold_episode')}, {reached} of runs"),

@@ -82,13 +82,13 @@ class Script:
         UserError
             If a map has changed since the run was planned.
         """
-        found = {name: load_map(entry.map) for name, entry in self.environments.items()}
-        for name, world in found.items():
+        worlds = {name: load_map(entry.map) for name, entry in self.environments.items()}
+        for name, world in worlds.items():
             if map_digest(world.text) != self.maps.get(name, map_digest(world.text)):
                 raise UserError(
                     f"{self.environments[name].map}: was changed during the run; run the same command again"
                 )
-        return found
+        return worlds
 
     def results(self, paths: Iterable[str | os.PathLike[str]]) -> Iterator[Result]:
         """Yield the result files at these paths, each made by the job of its place.

@@ -56,7 +56,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Group:
+class RowGroup:
     """Rows under one heading; ``name`` is its short form for formats without headings."""
 
     rows: Sequence[Row]
@@ -74,7 +74,7 @@ class Table:
     corner : str
         Heading of the labels of rows.
     columns : sequence of Column
-    groups : sequence of Group
+    groups : sequence of RowGroup
     notes : sequence of str
     number : int, optional
         Number in the article.
@@ -86,7 +86,7 @@ class Table:
     intro: str
     corner: str
     columns: Sequence[Column]
-    groups: Sequence[Group]
+    groups: Sequence[RowGroup]
     notes: Sequence[str] = ()
     number: int | None = None
     group_heading: str = ""
@@ -150,7 +150,7 @@ def text_table(
     words = set(text_columns)
     columns = [Column(heading, is_text=heading in words) for heading in headings[1:]]
     body = [Row(label, [Cell(text) for text in texts]) for label, *texts in rows]
-    return Table(title, intro, headings[0], columns, [Group(body)], notes)
+    return Table(title, intro, headings[0], columns, [RowGroup(body)], notes)
 
 
 def to_html(table: Table) -> str:

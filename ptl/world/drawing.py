@@ -4,11 +4,11 @@ Changes are named ``<environment>.<kind>``, with the kinds
 
 ``start``       another start cell, [row, column] counted from 0,
 ``room_size``   a chain of seven square rooms with this many cells on a side,
-``goal_depth``  a chain of seven rooms whose goals lie this far inside, as a share of the room's length,
+``goal_depth``  a chain of seven rooms whose goals are this far inside, as a share of the room's length,
 ``chain``       a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
 ``corridor``    a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
 
-The last two draw a whole map anew, whatever the world was.
+The last two draw a new map, regardless of the given world.
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: o
 def corridor_with_rooms(width: int = 4, depth: int = 4, corridor: int = 2, big: Sequence[int] = (10, 9)) -> str:
     """Return the text of a map like environment 2: a corridor, four small rooms on either side, a big room at its end.
 
-    The goals A to D lie opposite the doors of their rooms, each further along the corridor; E and F lie in the big room
+    The goals A to D are opposite the doors of their rooms, each further along the corridor; E and F are in the big room
     (the drawing is our choice).
 
     Parameters

@@ -24,9 +24,9 @@ MOVES = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 
 WALL, FREE, START = "#", ".", "I"
 MAX_CELLS = 10**6
-"""Largest accepted map, in cells of text."""
+"""Maximum size of a map in cells of text."""
 MAX_BYTES = 4 * MAX_CELLS
-"""Largest accepted map file; more is not read."""
+"""Maximum size of a map file in bytes; more is not read."""
 
 
 class GridWorld:

@@ -122,7 +122,7 @@ def to_text(grid: np.ndarray) -> str:
     return "".join("".join(row) + "\n" for row in grid)
 
 
-# -- grids of about so many free cells, without letters
+# -- grids with about a given number of free cells, without letters
 
 
 def rooms(rng: np.random.Generator, states: int) -> np.ndarray:

@@ -5,5 +5,5 @@
 ``design``, ``planned``                 the configuration, and the jobs that follow from it
 ``lives``, ``jobs``                     many lives in one process, to one file
 ``collect``, ``summary``                a row for each life and task; estimates for each family of maps
-``figures``, ``page``                   what readers see
+``figures``, ``page``                   presentation
 """

@@ -25,7 +25,7 @@ TASK_COLUMNS = (
 """``task`` counts from 1; ``optimum`` is episodes x shortest path; ``library_size`` is that after the task."""
 
 TEXTS = ("family", "map", "sequence")
-"""Columns whose values are text, beside those of `ptl.files.tables`."""
+"""Columns whose values are text, in addition to those of `ptl.files.tables`."""
 
 LIFE_COLUMNS = ("family", "map", "size", "sequence", "method", "seed", "total_steps", "optimum", "library_size")
 """Columns of ``per_life.csv``: steps and optimum are those of the tasks after the first."""
@@ -92,7 +92,7 @@ def read_lives(path: str | Path) -> pd.DataFrame:
     Raises
     ------
     UserError
-        If it cannot be read, lacks a column, has a life twice, or a cost that cannot be.
+        If it cannot be read, lacks a column, has a duplicate life or an impossible cost.
     """
     frame = read_table(path, LIFE_COLUMNS, texts=TEXTS)
     check_numbers(frame, path, ("size", "seed", "optimum", "library_size"), low=0)
@@ -115,9 +115,9 @@ def foreign_lives(study: SecondStudy) -> pd.DataFrame:
     Raises
     ------
     UserError
-        When a file is at fault, names a method twice, or counts another optimum than the table of maps says.
+        When a file is invalid, names a method twice, or has an optimum that differs from the table of maps.
     """
-    found = pd.DataFrame(columns=list(LIFE_COLUMNS))
+    collected = pd.DataFrame(columns=list(LIFE_COLUMNS))
     taken = {methods.identifier(reference(name)): "methods" for name in study.methods}
     episodes = study.learning.episodes
     shortest = {(e.family, str(e.seed), e.size): sum(e.shortest_paths[1:]) for e in read_population()}
@@ -142,5 +142,5 @@ def foreign_lives(study: SecondStudy) -> pd.DataFrame:
                     f"{path}: the optimum of family {row.family}, map {row.map} is {row.optimum}, where {episodes}"
                     f" episodes give {wanted}; use the same maps, tasks and episodes"
                 )
-        found = pd.concat([found, lives], ignore_index=True) if len(found) else lives
-    return found
+        collected = pd.concat([collected, lives], ignore_index=True) if len(collected) else lives
+    return collected

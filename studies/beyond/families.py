@@ -1,4 +1,4 @@
-"""Families of generated maps: grids of about so many free cells, without letters. Our choice throughout."""
+"""Families of generated maps: grids with about a given number of free cells, without letters. Our choice throughout."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ TICKS = [1, 2, 5, 10, 20, 50, 100, 200, 500]
 
 @dataclass(frozen=True)
 class Look:
-    """How a method is shown."""
+    """Label and colour of a method."""
 
     label: str
     colour: str
@@ -126,7 +126,7 @@ def library_size(frame: pd.DataFrame, costs: pd.DataFrame, looks: Mapping[str, L
     costs : DataFrame
         Not used for curves; gives the families their order.
     lines, points : methods
-        Methods without a library, drawn as lines across, and methods whose library has a size of its own.
+        Methods without a library, drawn as lines across, and methods whose library size is not set.
     """
     families = [family for family in dict.fromkeys(costs["family"]) if family in set(frame["family"])]
     curves = [method for method in looks if method in set(frame.loc[frame["per_task"] > 0, "method"])]

@@ -15,7 +15,7 @@ SAME = 1e-6
 
 
 def original_fd(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int]) -> np.ndarray:
-    """Score by the original FD metric, which knows nothing of the library (Kretchmar et al., 2003)."""
+    """Score by the original FD metric, which ignores the library (Kretchmar et al., 2003)."""
     return discovery.original.product
 
 
@@ -27,7 +27,7 @@ def task_goal(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int
 
 
 def random_state(random: np.random.Generator) -> Finder:
-    """Return a finder that takes any visited state with equal chances (control: is the place worth finding?)."""
+    """Return a finder that takes a visited state at random (control: does the choice of the state matter?)."""
 
     def scores(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int]) -> np.ndarray:
         visited = graph.steps_from([discovery.start]) >= 0
@@ -49,7 +49,7 @@ def covering(discovery: Discovery, graph: TransitionGraph, stored: Sequence[int]
 
     An option there joins the two ends of the vector, and the next vector is that of the graph with this edge. Skills
     here are used from the start, so that the edges of the stored skills join the start to their subgoals, and the
-    end that lies away from the start is taken (our choice). States without a path from the start are no candidates.
+    end that is farther from the start is taken (our choice). States without a path from the start are no candidates.
     """
     reached = np.flatnonzero(graph.steps_from([discovery.start]) >= 0)
     number = np.full(graph.n_states, -1)

@@ -81,7 +81,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         kind = variant(self.reference, self.per_task)
         names = (self.family, self.size, self.sequence)
         made = ((self._name(place), self._world(place, worlds)) for place in watch(self.places))
-        with methods.blamed(self.reference):
+        with methods.reporting_errors_of(self.reference):
             return lives_on_maps(made, self.tasks, kind, self.settings, self.root_seed, self.seeds, *names)
 
     def sizes(self, worlds: Worlds) -> dict[str, int]:
@@ -89,7 +89,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         return {"m": len(self.maps), "s": self.seeds, "t": len(self.tasks), "e": self.settings.learning.episodes}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no lives can contain."""
+        """Yield the impossible values."""
         learning, shortest = self.settings.learning, arrays["shortest"][:, None, :]
         least = np.minimum(shortest, learning.max_steps)
         for name, episodes in (("steps", learning.episodes), ("first", 1)):

@@ -1,4 +1,4 @@
-"""Many lives of one method on some maps, kept as sums over episodes."""
+"""Many lives of one method on some maps, stored as sums over episodes."""
 
 from __future__ import annotations
 

@@ -105,9 +105,9 @@ def checked_map(family: str, size: int, seed: int, digest: str, sequence: str = 
         If the map has another digest.
     """
     made = make_map(family, size, seed)
-    if (found := map_digest(made.text)) != digest:
+    if (actual := map_digest(made.text)) != digest:
         raise UserError(
-            f"map {made.name}: has the digest {found}, not {digest} as planned; use the version of numpy in"
+            f"map {made.name}: has the digest {actual}, not {digest} as planned; use the version of numpy in"
             " requirements.lock"
         )
     return made if sequence == MAIN else make_map(family, size, seed, sequence)

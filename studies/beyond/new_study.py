@@ -1,4 +1,4 @@
-"""New folders in which the second study runs on methods of one's own, for `ptl new-study --population`."""
+"""New folders in which the second study runs on users' methods, for `ptl new-study --population`."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ def new_population_study(
     chosen: Sequence[str] = (),
     lives: Sequence[Path] = (),
 ) -> dict[str, Any]:
-    """Make a folder in which the second study runs on methods of one's own, and return its configuration.
+    """Make a folder in which the second study runs on a user's methods, and return its configuration.
 
     Parameters
     ----------
     folder : path
-        Must be absent or empty; the run is called after it.
+        Must be absent or empty; the run gets its name.
     band : {"tuning", "test"}
         Tune on the first, report on the second.
     maps, seeds, episodes : int, optional
@@ -50,7 +50,7 @@ def new_population_study(
     Raises
     ------
     UserError
-        One line on the first thing that is wrong, before anything is written.
+        One line on the first error, before anything is written.
     """
     run = run_name(folder)
     if (band, SIZE) not in MAPS:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from ptl import methods
-from ptl.report.table import Cell, Column, Group, Row, Table, text_table
+from ptl.report.table import Cell, Column, Row, RowGroup, Table, text_table
 from ptl.report.templating import render
 from ptl.text import MISSING, interval, number, percent
 from studies.beyond import methods as our_methods
@@ -37,7 +37,7 @@ FAMILY_TITLES = {
 NO_TRANSFER = "no_transfer"
 
 FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "ptl_covering")
-"""PTL whose subgoals come from elsewhere; all else is as in `ptl`."""
+"""PTL with other finders of subgoals; everything else is as in `ptl`."""
 
 RIVALS = ("optimistic", "maxqinit", "optimistic_fast", "rmax", "rmax_memory")
 """Baselines without skills."""
@@ -76,7 +76,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "rmax": (NOTHING, CERTAIN, NOTHING),
     "rmax_memory": ("its state, if seen before", CERTAIN, TRANSITIONS),
 }
-"""What a method is told of the goal, whether it relies on moves being certain, and what it keeps from task to task."""
+"""Each method's knowledge of the goal, reliance on deterministic moves, and memory between tasks."""
 
 ORDER = tuple(KNOWLEDGE)
 """Methods in the order in which figures and tables show them; those of other people come after them."""
@@ -105,7 +105,7 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
 
 
 def titles_of(families: Iterable[str], entries: Iterable[str]) -> dict[str, str]:
-    """Return the names of families as readers see them; families of the article's maps say so."""
+    """Return the names of families as readers see them; families of the article's maps are marked."""
     article = set(entries)
     return {
         family: f"Article’s {family}" if family in article else FAMILY_TITLES.get(family, family) for family in families
@@ -164,21 +164,21 @@ def answers(
     titles: Mapping[str, str],
 ) -> list[dict[str, Any]]:
     """Return the three questions, each with its lines; every statement follows from an interval."""
-    found = compared(costs, families)
+    comparisons = compared(costs, families)
     return [
-        {"question": "1. Is it better than strong baselines?", **_against(found, looks)},
-        {"question": "2. Which part of it does the work?", **_parts(found, looks)},
+        {"question": "1. Is it better than strong baselines?", **_against(comparisons, looks)},
+        {"question": "2. Which part of it does the work?", **_parts(comparisons, looks)},
         {
             "question": "3. Does it hold on maps that nobody chose?",
-            **_elsewhere(found, costs, families, components, titles, looks),
+            **_elsewhere(comparisons, costs, families, components, titles, looks),
         },
     ]
 
 
-def _verdicts(found: Mapping[str, AgainstPTL], names: Sequence[str], looks: Mapping[str, Look]) -> str:
-    """Say which of some methods are cheaper than PTL in every family, dearer in every one, or neither."""
-    cheaper = [name for name in names if found[name].less == found[name].families]
-    dearer = [name for name in names if found[name].more == found[name].families]
+def _verdicts(comparisons: Mapping[str, AgainstPTL], names: Sequence[str], looks: Mapping[str, Look]) -> str:
+    """Say which of some methods are cheaper than PTL in every family, more expensive in every family, or neither."""
+    cheaper = [name for name in names if comparisons[name].less == comparisons[name].families]
+    dearer = [name for name in names if comparisons[name].more == comparisons[name].families]
     rest = [name for name in names if name not in cheaper and name not in dearer]
     parts = [
         f"cheaper than PTL in every family: {_listed(cheaper, looks)}" if cheaper else "",
@@ -188,11 +188,11 @@ def _verdicts(found: Mapping[str, AgainstPTL], names: Sequence[str], looks: Mapp
     return _sentence("; ".join(filter(None, parts)))
 
 
-def _against(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
-    names = [name for name in (NO_TRANSFER, *RIVALS) if name in found]
-    names += [name for name in found if name not in KNOWLEDGE]
-    lines = [f"{looks[name].label}: {found[name].text}." for name in names]
-    certain = [name for name in names if KNOWLEDGE.get(name, ("", ""))[1] == CERTAIN and found[name].less]
+def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
+    names = [name for name in (NO_TRANSFER, *RIVALS) if name in comparisons]
+    names += [name for name in comparisons if name not in KNOWLEDGE]
+    lines = [f"{looks[name].label}: {comparisons[name].text}." for name in names]
+    certain = [name for name in names if KNOWLEDGE.get(name, ("", ""))[1] == CERTAIN and comparisons[name].less]
     if certain:
         verb = "rely" if len(certain) > 1 else "relies"
         lines.append(
@@ -200,15 +200,15 @@ def _against(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict
             " transition. The article’s robot may have neither. On the other hand PTL is told where the goal lies, and"
             " these methods are not. The table below says what each method may know."
         )
-    return {"lead": _verdicts(found, names, looks), "lines": lines}
+    return {"lead": _verdicts(comparisons, names, looks), "lines": lines}
 
 
-def _parts(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
-    finders = [name for name in FINDERS if name in found]
-    others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in found]
-    lines = [f"{looks[name].label}: {found[name].text}." for name in (*finders, *others)]
-    if "ptl_frontier" in found and "frontier_only" in found:
-        both, alone = (found[name].ratios.set_index("family") for name in ("ptl_frontier", "frontier_only"))
+def _parts(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
+    finders = [name for name in FINDERS if name in comparisons]
+    others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in comparisons]
+    lines = [f"{looks[name].label}: {comparisons[name].text}." for name in (*finders, *others)]
+    if "ptl_frontier" in comparisons and "frontier_only" in comparisons:
+        both, alone = (comparisons[name].ratios.set_index("family") for name in ("ptl_frontier", "frontier_only"))
         with_library = int((both["ratio_high"] < alone["ratio_low"]).sum())
         without = int((alone["ratio_high"] < both["ratio_low"]).sum())
         lines.append(
@@ -220,12 +220,12 @@ def _parts(found: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[s
                 else " Not the library makes it cheap, but the memory of transitions and the direction of the goal."
             )
         )
-    lead = f"Same agent, other subgoals: {_verdicts(found, finders, looks)}" if finders else ""
+    lead = f"Same agent, other subgoals: {_verdicts(comparisons, finders, looks)}" if finders else ""
     return {"lead": lead, "lines": lines}
 
 
 def _elsewhere(
-    found: Mapping[str, AgainstPTL],
+    comparisons: Mapping[str, AgainstPTL],
     costs: pd.DataFrame,
     families: Sequence[str],
     components: pd.DataFrame,
@@ -235,8 +235,8 @@ def _elsewhere(
     own = costs[costs["method"] == BASE].set_index("family")
     none = costs[costs["method"] == NO_TRANSFER].set_index("family")
     lead, lines = "", []
-    if NO_TRANSFER in found:
-        comparison = found[NO_TRANSFER]
+    if NO_TRANSFER in comparisons:
+        comparison = comparisons[NO_TRANSFER]
         lead = (
             f"PTL costs less than learning every task from nothing in {comparison.more} of {comparison.families}"
             f" families of generated maps, more in {comparison.less}."
@@ -304,7 +304,7 @@ def wide_table(
             detail = interval(row[limits[0]], row[limits[1]]) if limits else ""
             cells.append(Cell(number(float(row[value])), detail, best=best and row[value] == lowest[name]))
         rows.append(Row(look.label, cells, look.colour))
-    return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [Group(rows)], notes)
+    return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [RowGroup(rows)], notes)
 
 
 def knowledge_table(looks: Mapping[str, Look]) -> Table:
@@ -354,7 +354,7 @@ def page(**values: Any) -> str:
 
 
 def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
-    """Describe what was run."""
+    """Describe the runs."""
     own = lives[lives["sequence"] == MAIN]
     maps = own.groupby("family")["map"].nunique()
     places = [f"{len(maps)} families of generated maps, {number(int(maps.min()))} maps each"] if len(maps) else []
@@ -375,7 +375,7 @@ def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
 
 
 def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
-    """Describe what the explorer shows, empty if there is none."""
+    """Describe the explorer; empty without one."""
     names = methods.by_identifier(map(our_methods.reference, study.explorer.methods))
     if not names:
         return ""

@@ -75,13 +75,13 @@ def given_maps(study: SecondStudy) -> dict[tuple[str, str], GivenMap]:
     UserError
         If a map cannot be read, or lacks a task.
     """
-    found = {}
+    given = {}
     for name, entry in study.article_maps.items():
-        found[name, name] = GivenMap(entry.map, load_map(entry.map))
-        check_tasks(entry.tasks, found[name, name].world.goals, f"article_maps.{name}.tasks")
+        given[name, name] = GivenMap(entry.map, load_map(entry.map))
+        check_tasks(entry.tasks, given[name, name].world.goals, f"article_maps.{name}.tasks")
     for path in study.moving_ai:
-        found[moving_ai.FAMILY, Path(path).stem] = GivenMap(path, moving_ai.load_moving_ai(path))
-    return found
+        given[moving_ai.FAMILY, Path(path).stem] = GivenMap(path, moving_ai.load_moving_ai(path))
+    return given
 
 
 def shown(study: SecondStudy) -> list[tuple[str, int]]:
@@ -169,7 +169,7 @@ def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:
 def cost_of_lives(
     jobs: Iterable[LivesOnMaps], population: Population, given: Mapping[tuple[str, str], GivenMap]
 ) -> Cost:
-    """Estimate what jobs take together."""
+    """Estimate the total cost of jobs."""
     number, lives, steps = 0, 0, 0.0
     for job in jobs:
         number += 1

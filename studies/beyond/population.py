@@ -1,8 +1,8 @@
-"""The population of maps that nobody chose: disjoint bands of seeds, and the table of all maps.
+"""The population of generated, not hand-picked maps: disjoint bands of seeds, and the table of all maps.
 
-Our choice throughout. The table lists every map with its hash, so that a generator that changes, here or in numpy, is
-noticed instead of giving other maps under the same names. ``python -m studies.beyond.population --help`` says how the
-table and the maps are written.
+Our choice throughout. The table lists every map with its hash, so that a changed generator, here or in numpy, is
+detected instead of giving other maps under the same names. See ``python -m studies.beyond.population --help`` for the
+commands that write the table and the maps.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ from studies.beyond.families import FAMILIES
 from studies.beyond.maps import checked_map, make_map, winding
 
 BANDS = {"tuning": 1000, "test": 4000}
-"""First seed of each band. What is tuned is tuned on the first one; the second one is for reports only."""
+"""First seed of each band. The first band is for tuning, the second for reports only."""
 
 MAPS = {("tuning", 300): 40, ("tuning", 1000): 10, ("test", 300): 100, ("test", 1000): 30, ("test", 3000): 10}
 """Maps of each family by band and size (states, about)."""
 
 SIZE = 300
-"""States of a map, about, where nothing else is said."""
+"""Default number of states of a map (approximate)."""
 
 TABLE = Path(__file__).parent / "config/population.csv"
 """The table of all maps."""
@@ -122,12 +122,12 @@ def read_population(path: str | Path = TABLE) -> list[MapEntry]:
 
 
 def _entry(row: Mapping[str, str]) -> MapEntry:
-    """Return what a row of the table says.
+    """Return the map that a row of the table describes.
 
     Raises
     ------
     ValueError
-        Naming the first column that holds what it never holds; other errors if there is no such column or number.
+        Naming the first column with an impossible value; other errors if there is no such column or number.
     """
     entry = MapEntry(
         row["band"], row["family"], int(row["size"]), int(row["seed"]), int(row["states"]),

@@ -4,9 +4,9 @@ The cost of a life is its steps over the tasks after the first, as a multiple of
 paths). Costs are averaged as logarithms, so that means are geometric and ratios of methods are symmetric. Choices
 (ours; after Patterson et al., JMLR 25 (318), 2024, and Agarwal et al., NeurIPS 2021):
 
-* Nothing is pooled over families, except where a function says so; then families count equally.
+* Nothing is pooled over families, except where noted; then families have equal weight.
 * Intervals are percentiles of a hierarchical bootstrap: maps are drawn with replacement, then lives on each map. A
-  family of one map (the article's) has its lives drawn only, and its intervals say nothing about other maps.
+  family of one map (the article's) has its lives drawn only, and its intervals do not generalise to other maps.
 * Methods are compared on the same maps: the maps drawn are the same for all methods of a family.
 """
 
@@ -40,7 +40,7 @@ def logarithms(lives: pd.DataFrame) -> dict[tuple[str, str], np.ndarray]:
     UserError
         When methods of a family were not run on the same maps, or maps not by the same number of lives.
     """
-    found: dict[tuple[str, str], np.ndarray] = {}
+    by_method: dict[tuple[str, str], np.ndarray] = {}
     for family, part in lives.groupby("family", sort=False):
         part = part.assign(log=np.log(part["total_steps"] / part["optimum"]))
         maps = sorted(part["map"].unique())
@@ -51,8 +51,8 @@ def logarithms(lives: pd.DataFrame) -> dict[tuple[str, str], np.ndarray]:
                     f"method {method}: its lives in the family {family} are not those of the other methods; run it on"
                     " the same maps with the same number of seeds"
                 )
-            found[str(family), str(method)] = table.loc[maps].to_numpy()
-    return found
+            by_method[str(family), str(method)] = table.loc[maps].to_numpy()
+    return by_method
 
 
 def main_lives(lives: pd.DataFrame) -> pd.DataFrame:
@@ -232,8 +232,8 @@ def by_task(tasks: pd.DataFrame, sequence: str, how: Resampling) -> pd.DataFrame
 def by_library_size(tasks: pd.DataFrame, how: Resampling) -> pd.DataFrame:
     """Return the cost of libraries of given sizes.
 
-    Columns family, method, per_task, maps, cost, low, high, library_size: mean number of skills that the library held
-    at the beginning of the tasks after the first, which are those that the cost is about.
+    Columns family, method, per_task, maps, cost, low, high, library_size: mean number of skills in the library
+    at the beginning of the tasks after the first, to which the cost refers.
     """
     own = tasks[tasks["sequence"].isin([MAIN, ARTICLE])]
     sized = own[own["per_task"] > 0]
@@ -266,7 +266,7 @@ def by_sequence(lives: pd.DataFrame, how: Resampling) -> pd.DataFrame:
 
 
 def by_winding(lives: pd.DataFrame, entries: Iterable[MapEntry]) -> pd.DataFrame:
-    """Return the geometric mean cost on each generated map beside the map's winding.
+    """Return the geometric mean cost on each generated map, with the winding of the map.
 
     Columns family, map, method, winding, cost.
     """
@@ -290,6 +290,6 @@ def winding_trends(frame: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for (family, method), part in frame.groupby(["family", "method"], sort=False):
         if len(part) > 4 and part["winding"].nunique() > 1 and part["cost"].nunique() > 1:
-            found = stats.spearmanr(part["winding"], part["cost"])
-            rows.append((family, method, found.statistic, found.pvalue))
+            correlation = stats.spearmanr(part["winding"], part["cost"])
+            rows.append((family, method, correlation.statistic, correlation.pvalue))
     return pd.DataFrame(rows, columns=["family", "method", "coefficient", "p"])

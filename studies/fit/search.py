@@ -1,7 +1,7 @@
 """The search for drawings and settings that fit the article's claims, over the values of config/fit.yaml.
 
 A *learner* is a setting that all environments share, a *drawing* a map of one environment; both are changes against the
-first reference. Environments do not depend on each other, so the best drawing of each is found on its own claims:
+first reference. Environments do not depend on each other, so the best drawing of each is chosen by its own claims:
 
 1. every drawing with the first few learners (the probes), of which the best few drawings go on;
 2. every learner with these drawings; for each learner the best drawing of each environment;
@@ -10,8 +10,8 @@ first reference. Environments do not depend on each other, so the best drawing o
 4. the finalists' learners with these drawings again, with other random numbers and more seeds, and for each the best
    drawing of each environment. The best finalist is the choice.
 
-``python -m studies.fit.search`` runs it in one process. What a method does not read cannot change it, so lives are
-learned once for all readings that agree on what it reads.
+``python -m studies.fit.search`` runs it in one process. Parameters that a method does not read cannot change it, so
+lives are learned once for all readings with the same values of the parameters that it reads.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ class FirstReference(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class Search(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    """What config/fit.yaml fixes before the search; the file says what each value means."""
+    """Settings of the search, fixed in advance in config/fit.yaml, which explains each value."""
 
     screen: Effort
     final: Effort
@@ -327,7 +327,7 @@ def _chosen_by(own: Judged, outcomes: Outcomes) -> str:
 
 
 def halves_frame(outcomes: Outcomes, halves: Sequence[Sequence[str]]) -> pd.DataFrame:
-    """Return what a choice by one half of the claims is worth on the other.
+    """Return the score on one half of the claims of a choice made by the other.
 
     A row for each half: claims reproduced by the reference and by the reading chosen on that half, on the half itself
     (``chosen_on``) and on the other (``checked_on``), with the final seeds.

@@ -1,4 +1,4 @@
-"""Policy reuse in the experiment of its authors, Fernandez and Veloso: a check of the class that the comparison uses.
+"""Policy reuse in the experiment of its authors, Fernandez and Veloso: a check of the class used in the comparison.
 
 ``experiment``  their setting, and how it is learned
 ``jobs``        the configuration, and the result file of each library

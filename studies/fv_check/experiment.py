@@ -45,7 +45,7 @@ PARAMETERS = Parameters.from_dict(
         "policy_reuse": {"psi": 1.0, "psi_decay": 0.95, "temperature": 0.0, "temperature_step": 0.05},
     }
 )
-"""FV's values, whatever the main comparison uses; epsilon is ours and serves plain Q-learning only."""
+"""FV's values, independent of the main comparison; epsilon is ours and used by plain Q-learning only."""
 
 REUSE, PLAIN = "policy_reuse", "no_transfer"
 """Methods that learn the new task with a library and without, and the library's policies (the latter)."""
@@ -56,7 +56,7 @@ STREAM = "fernandez_veloso"
 
 @dataclass(frozen=True)
 class PastTasks:
-    """A library of the experiment: the tasks whose policies it holds.
+    """A library of the experiment: the tasks of its policies.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ def policy_quality(world: GridWorld, policy: np.ndarray, goal: int, parameters: 
     Parameters
     ----------
     policy : int8 array (n_states,)
-        Action of each state, -1 (where the agent would stand still) if undefined.
+        Action of each state, -1 (the agent stays in place) if undefined.
     """
     gamma, limit = parameters.learning.gamma, parameters.learning.max_steps
     distance = world.distances_to(goal)

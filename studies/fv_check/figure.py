@@ -1,4 +1,4 @@
-"""The experiment of Fernandez and Veloso: mean gain against trials, beside the values of their figure."""
+"""The experiment of Fernandez and Veloso: mean gain against trials, with the values of their figure."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ptl.config import Statistics
 
 POINTS = 400
-"""Trials at which a curve is drawn; more would not be seen."""
+"""Number of points of a curve; more would not be visible."""
 
 
 def gain_frame(gains: Sequence[Gains], statistics: Statistics) -> pd.DataFrame:

@@ -21,7 +21,7 @@ MAP = "env3"
 """Name of the map among those of a job."""
 
 SOURCES = ("studies.fv_check.experiment", *(f"ptl.methods.{name}" for name in (REUSE, PLAIN)))
-"""Modules that decide what is learned."""
+"""Modules that determine what is learned."""
 
 
 class FvCheck(Group, frozen=True, kw_only=True):
@@ -90,7 +90,7 @@ class Trials(Job, frozen=True, kw_only=True, tag="trials/1"):
         return {"s": self.seeds, "k": self.trials, "t": len(self.library)}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no trials can give."""
+        """Yield the impossible values."""
         if (arrays["seeds"] != np.arange(self.seeds)).any():
             yield "its seeds are not 0, 1, 2, ..."
 

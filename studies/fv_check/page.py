@@ -1,4 +1,4 @@
-"""The gain of policy reuse in Fernandez and Veloso's experiment as a table, beside their values."""
+"""The gain of policy reuse in Fernandez and Veloso's experiment as a table, with their values."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.measures.statistics import Resampling, mean, named_generator
 from ptl.report.table import Table, text_table
 from ptl.text import MISSING, interval, number, percent
@@ -64,7 +64,7 @@ def agreement(frame: pd.DataFrame) -> str:
     within = int(beside["published"].between(beside["ci_low"], beside["ci_high"]).sum())
     inside = f"{within} of {len(beside)} published values lie in our interval"
     if beside["ci_low"].isna().any():
-        inside = f"With fewer than {FEWEST_FOR_INTERVAL} seeds there is no interval that could hold a published value"
+        inside = f"With fewer than {MIN_FOR_INTERVAL} seeds there is no interval that could hold a published value"
     least = "the same" if beside["gain"].idxmin() == beside["published"].idxmin() else "another"
     sentences = [
         f"Ours against published: {'; '.join(pairs)}.",

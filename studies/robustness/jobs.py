@@ -83,7 +83,7 @@ class Setting(Job, frozen=True, kw_only=True, tag="setting/1"):
         return {"e": self.settings.learning.episodes, "r": self.growth_runs, "g": self.growth_tasks + 1}
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
-        """Yield what no setting can give."""
+        """Yield the impossible values."""
         complete = arrays["status"].item().decode() == COMPLETE
         lives = lives_in(arrays)
         changed = changed_worlds(worlds, self.changes) if lives else {}
@@ -109,12 +109,12 @@ class Setting(Job, frozen=True, kw_only=True, tag="setting/1"):
 
 def lives_in(arrays: Mapping[str, np.ndarray]) -> dict[tuple[str, str], dict[str, np.ndarray]]:
     """Return the arrays of the lives of each environment and method."""
-    found: dict[tuple[str, str], dict[str, np.ndarray]] = {}
+    by_method: dict[tuple[str, str], dict[str, np.ndarray]] = {}
     for place, values in arrays.items():
         if place.count("/") == 2:
             environment, method, name = place.split("/")
-            found.setdefault((environment, method), {})[name] = values
-    return found
+            by_method.setdefault((environment, method), {})[name] = values
+    return by_method
 
 
 # -- planning -----------------------------------------------------------------------------------------------------
@@ -133,7 +133,7 @@ def setting_jobs(study: Robustness, run: Configuration, maps: Mapping[str, str])
     Parameters
     ----------
     run : Configuration
-        Complete; it gives all that the study does not change.
+        Complete; the base from which the settings differ.
     maps : mapping
         Digest of the map of each environment.
 
@@ -182,7 +182,7 @@ def _job(
 
 
 def settings_cost(jobs: Iterable[Setting], worlds: Mapping[str, GridWorld]) -> Cost:
-    """Estimate what settings take together; ``worlds`` are the maps before they are changed."""
+    """Estimate the total cost of settings; ``worlds`` are the maps before they are changed."""
     number, lives, steps = 0, 0, 0.0
     for job in jobs:
         learning: Learning = job.settings.learning

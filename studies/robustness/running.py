@@ -19,7 +19,7 @@ STREAM = "robustness"
 """First name of every random stream of the study, followed by the setting's."""
 
 COMPLETE = "complete"
-"""Status of a setting of which everything was learned."""
+"""Status of a setting that was learned completely."""
 
 MAX_STATUS = 10_000
 """Maximum length of a status in characters."""
@@ -79,7 +79,7 @@ def learn_setting(
             arrays["growth/library_size"] = grow_lives(
                 changed[environment], environment, number, parameters, root_seed, range(runs), STREAM, name
             )
-    except Exception as error:  # a setting that fails is a result of the study, not the end of it
+    except Exception as error:  # a setting that fails is a result of the study and does not end it
         traceback.print_exc(file=sys.stderr)
         remarks.append(f"failed: {type(error).__name__}: {str(error).splitlines()[0] if str(error) else ''}")
     status = printable("; ".join(remarks))[:MAX_STATUS] or COMPLETE

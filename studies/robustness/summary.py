@@ -197,7 +197,7 @@ def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.D
             row[f"{group}_score"] = own["score"].mean()
         by_flip = _by_unknown(turned[turned["claim"] == claim])
         by_rank = _strongest(related[related["claim"] == claim])
-        row["flipped_by"] = "; ".join(_flip_text(unknowns[key], found) for key, found in by_flip.items())
+        row["flipped_by"] = "; ".join(_flip_text(unknowns[key], part) for key, part in by_flip.items())
         row["associated_with"] = ", ".join(
             f"{unknowns[item.unknown].symbol} ({_strength(item)})" for item in by_rank.itertuples()
         )
@@ -208,8 +208,8 @@ def share_table(verdicts: pd.DataFrame, unknowns: Mapping[str, Unknown]) -> pd.D
 
 def _strongest(related: pd.DataFrame) -> pd.DataFrame:
     """Return the associations that are more than chance, strongest first."""
-    found = related[related["p_value"] < SIGNIFICANT]
-    return found.reindex(found["association"].abs().sort_values(ascending=False, kind="stable").index)
+    significant = related[related["p_value"] < SIGNIFICANT]
+    return significant.reindex(significant["association"].abs().sort_values(ascending=False, kind="stable").index)
 
 
 def _strength(item: Any) -> str:
@@ -223,8 +223,8 @@ def _by_unknown(turned: pd.DataFrame) -> dict[str, pd.DataFrame]:
     return dict(sorted(parts.items(), key=lambda item: -np.nan_to_num(item[1]["change"].abs().max())))
 
 
-def _flip_text(unknown: Unknown, found: pd.DataFrame) -> str:
-    values = ", ".join(f"{value_text(json.loads(row.value))}: {row.verdict}" for row in found.itertuples())
+def _flip_text(unknown: Unknown, part: pd.DataFrame) -> str:
+    values = ", ".join(f"{value_text(json.loads(row.value))}: {row.verdict}" for row in part.itertuples())
     return f"{unknown.symbol} ({values})"
 
 

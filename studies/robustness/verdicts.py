@@ -12,7 +12,7 @@ import pandas as pd
 from ptl import claims
 from ptl.claims import comparisons
 from ptl.claims.claim import Judgement
-from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence import Evidence, MissingEvidence, settings_of
 from ptl.claims.verdict import Outcome
 from ptl.files.store import Result
 from ptl.measures.measures import BASE, Runs, measure, runs_of
@@ -128,7 +128,7 @@ class Target:
     tasks : str or None
         Letters of the tasks shown; those after the first if None.
     methods : tuple of str
-        Methods shown, with no transfer beside them.
+        Methods shown, in addition to no transfer.
     """
 
     claim: str
@@ -181,8 +181,8 @@ def target_frame(setting: SettingEvidence) -> pd.DataFrame:
                 names = (target.environment, letter, method)
                 try:
                     numbers = _target_numbers(setting.evidence, *names)
-                except Lacking:
-                    continue  # the status of the setting says why
+                except MissingEvidence:
+                    continue  # the status of the setting records the reason
                 rows.append(
                     {"claim": target.claim, "setting": setting.name, "group": setting.group,
                      "changes": json.dumps(setting.changes), "environment": target.environment,

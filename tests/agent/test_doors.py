@@ -1,4 +1,4 @@
-"""What Python hands to compiled code is checked or copied, and long loops can be stopped."""
+"""Arguments from Python to compiled code are checked or copied, and long loops can be stopped."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ def test_the_incremental_metric_by_hand():
 
 
 def test_the_best_state_becomes_a_skill():
-    """Whether a skill is added follows from the incremental metric; the finder says where."""
+    """The incremental metric determines whether a skill is added, the finder where."""
     library = SkillLibrary(finder=incremental)
     assert library.update(discover([np.arange(2)], ALL_SEEN, [], 2), ALL_SEEN, 0).subgoal == -1
     discovery = discover(WHOLE_PATH, ALL_SEEN, [], 2)

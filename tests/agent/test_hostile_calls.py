@@ -71,7 +71,7 @@ class Hostile:
         )  # fmt: skip
 
     def share(self) -> Any:
-        """Draw a probability; one in two lies in [0, 1]."""
+        """Draw a probability; one in two is within [0, 1]."""
         return self.random.random() if self.random.random() < 0.5 else self.number(2)
 
     def array(self, *shape: int, low: int = 0, high: int = N, dtype: Any = np.int64) -> Any:
@@ -102,7 +102,7 @@ class Hostile:
         if spoilt == 5:
             good.flags.writeable = False
             return good
-        if spoilt == 6:  # no memory of its own
+        if spoilt == 6:  # does not own its memory
             return np.broadcast_to(good.reshape(-1)[:1] if good.size else good, self.one_of(shape, (10**4, *shape[1:])))
         if spoilt == 7:
             return good.tolist()
@@ -236,7 +236,7 @@ def test_a_plan_hands_nothing_unchecked_to_the_loop(record_property):
 
 
 def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
-    """Return calls of the graph search and of what hands states to it."""
+    """Return calls of the graph search and of the functions that pass states to it."""
     rows = lambda: hostile.array(N + 1, high=N, dtype=np.int32)  # noqa: E731
     ends = lambda: hostile.array(4 * N, dtype=np.int32)  # noqa: E731
     graph = lambda: TransitionGraph(  # noqa: E731

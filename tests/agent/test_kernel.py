@@ -1,4 +1,4 @@
-"""The compiled kernel: the same bits as the plain-Python reference, and the laws that theory gives."""
+"""The compiled kernel: the same bits as the plain-Python reference, and the distributions given by theory."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ HITTING_TIMES = {  # mean length of a first episode of tasks A..F, of the publis
     "env3": [4738, 5604, 8115, 9920, 8550, 8250],
 }
 
-# The goal lies three steps from the nearest cell where walking is cold, so both ways of stepping are in play.
+# The goal is three steps from the nearest cell where walking is cold, so both ways of stepping are in play.
 SMALL_MAP = GridWorld.from_text("I....\n.#.#.\n....A\n")
 CORNERED = GridWorld.from_text("I...\n.#..\n....\n#..A\n")
 
@@ -106,7 +106,7 @@ def random_calls(
 ) -> None:
     """A random mixture of calls over several episodes, one beginning about every fourth call.
 
-    With ``open_calls`` also those of methods with single steps, an update or an exploration of their own.
+    With ``open_calls`` also those of methods with single steps, their own update or exploration.
     """
     n = world.n_states
     pair("begin_episode", world.start)
@@ -436,11 +436,11 @@ def test_arguments_out_of_range_are_refused(env3):
         Dynamics(np.zeros((3, 3), dtype=int))
 
 
-# -- laws ----------------------------------------------------------------------------------------------------
+# -- distributions -------------------------------------------------------------------------------------------
 
 
 def moves_and_stream(kind: type, world: GridWorld, seed: int) -> tuple:
-    """What a learner of this kind takes for the map and for the random numbers."""
+    """Arguments of a learner of this kind for the map and the random numbers."""
     if kind is Learner:
         return Dynamics(world.successors), np.random.SFC64(seed)
     return world.successors, RandomBits(np.random.SFC64(seed))
@@ -459,8 +459,8 @@ def first_episodes(world: GridWorld, goal: int, episodes: int, seed: int, kind=L
     return lengths, paths
 
 
-def same_law(first: Counter, second: Counter) -> float:
-    """p value of the chi-square test that two samples have one law; rare values are pooled."""
+def same_distribution(first: Counter, second: Counter) -> float:
+    """p value of the chi-square test that two samples have the same distribution; rare values are pooled."""
     table = np.array([[sample[value] for value in set(first) | set(second)] for sample in (first, second)])
     common = table.sum(axis=0) >= 20
     rest = table[:, ~common].sum(axis=1, keepdims=True)
@@ -470,7 +470,7 @@ def same_law(first: Counter, second: Counter) -> float:
 
 
 def goodness_of_fit(observed: np.ndarray, probabilities: np.ndarray) -> float:
-    """p value of the chi-square test of counts against a law; values expected under 8 times are pooled."""
+    """p value of the chi-square test of counts against a distribution; values expected under 8 times are pooled."""
     expected = observed.sum() * np.append(probabilities, max(0.0, 1.0 - probabilities.sum()))
     observed = np.append(observed, 0)
     assert not observed[expected < 1e-9].any(), "an impossible value occurred"
@@ -510,12 +510,12 @@ def test_first_episode_on_random_maps_has_the_expected_length(seed):
 
 @pytest.mark.parametrize("shortcut", [True, False])
 @pytest.mark.parametrize("world", [SMALL_MAP, CORNERED], ids=["small", "cornered"])
-def test_first_episodes_have_the_exact_law_of_the_random_walk(world, shortcut):
+def test_first_episodes_have_the_exact_distribution_of_the_random_walk(world, shortcut):
     goal = world.goals["A"]
     lengths, paths = first_episodes(world, goal, 20_000, 23, shortcut=shortcut)
     longest = int(lengths.max())
-    law = oracles.length_distribution(world.successors, world.start, goal, longest)
-    assert goodness_of_fit(np.bincount(lengths, minlength=longest + 1), law) > 1e-3
+    distribution = oracles.length_distribution(world.successors, world.start, goal, longest)
+    assert goodness_of_fit(np.bincount(lengths, minlength=longest + 1), distribution) > 1e-3
     counts = Counter(paths)
     of_paths = np.array([oracles.erased_path_probability(world.successors, path) for path in counts])
     assert of_paths.sum() > 0.99
@@ -528,11 +528,11 @@ def test_shortcut_keeps_the_law_of_step_by_step_walking(world):
     lengths, paths = first_episodes(world, goal, 6000, 29)
     plain_lengths, plain_paths = first_episodes(world, goal, 6000, 31, ReferenceLearner, shortcut=False)
     assert stats.ks_2samp(lengths, plain_lengths).pvalue > 1e-3
-    assert same_law(Counter(lengths % 2), Counter(plain_lengths % 2)) > 1e-3
-    assert same_law(Counter(paths), Counter(plain_paths)) > 1e-3
+    assert same_distribution(Counter(lengths % 2), Counter(plain_lengths % 2)) > 1e-3
+    assert same_distribution(Counter(paths), Counter(plain_paths)) > 1e-3
     entrances = Counter(path[-2] for path in paths)
     assert len(entrances) > 1
-    assert same_law(entrances, Counter(path[-2] for path in plain_paths)) > 1e-3
+    assert same_distribution(entrances, Counter(path[-2] for path in plain_paths)) > 1e-3
 
 
 def test_shortcut_keeps_the_law_while_learning():
@@ -555,15 +555,15 @@ def test_shortcut_keeps_the_law_while_learning():
     lengths, paths = third_episodes(Learner, 37)
     plain_lengths, plain_paths = third_episodes(ReferenceLearner, 41, shortcut=False)
     assert stats.ks_2samp(lengths, plain_lengths).pvalue > 1e-3
-    assert same_law(paths, plain_paths) > 1e-3
+    assert same_distribution(paths, plain_paths) > 1e-3
 
 
 @pytest.mark.parametrize("budget", [1, 2, 3, 6, 7])
-def test_where_a_budget_ends_has_the_exact_law(budget):
+def test_where_a_budget_ends_has_the_exact_distribution(budget):
     world, goal = SMALL_MAP, SMALL_MAP.goals["A"]
     walk = oracles.transition_matrix(world.successors)
     walk[goal] = np.eye(world.n_states)[goal]
-    law = np.linalg.matrix_power(walk, budget)[world.start]
+    distribution = np.linalg.matrix_power(walk, budget)[world.start]
     learner = Learner(Dynamics(world.successors), goal, np.random.SFC64(43), gamma=0.0)
     counts = np.zeros(world.n_states, dtype=int)
     # gamma = 0 keeps Q at 0 except beside the goal: near the start the shortcut stays in use in all episodes.
@@ -571,13 +571,13 @@ def test_where_a_budget_ends_has_the_exact_law(budget):
         learner.begin_episode(world.start)
         learner.explore(budget, epsilon=1.0)
         counts[learner.state] += 1
-    assert goodness_of_fit(counts, law) > 1e-3
+    assert goodness_of_fit(counts, distribution) > 1e-3
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.1, 0.5, 1.0])
 @pytest.mark.parametrize("greedy", [(2,), (0, 3), (1, 2, 3), (0, 1, 2, 3)])
 def test_greedy_ties_and_random_actions_are_uniform(greedy, epsilon):
-    """Q solves the update rule exactly, so it stays as it is and every step is a draw from one law."""
+    """Q solves the update rule exactly, so it stays as it is and every step is a draw from one distribution."""
     world = GridWorld.from_text("......\n......\n..I...\n......\n.....A\n")
     initial_q = np.zeros((world.n_states, 4))
     for action, neighbour in enumerate(world.successors[world.start]):
@@ -590,14 +590,14 @@ def test_greedy_ties_and_random_actions_are_uniform(greedy, epsilon):
         learner.explore(1, epsilon=epsilon)
         counts[learner.state] += 1
     assert learner.q.tobytes() == initial_q.tobytes()
-    law = np.full(4, epsilon / 4)
-    law[list(greedy)] += (1 - epsilon) / len(greedy)
+    distribution = np.full(4, epsilon / 4)
+    distribution[list(greedy)] += (1 - epsilon) / len(greedy)
     observed = np.array([counts[state] for state in world.successors[world.start]])
     assert observed.sum() == 20_000
-    if (law == 1.0).any():
-        assert observed[law == 1.0] == 20_000
+    if (distribution == 1.0).any():
+        assert observed[distribution == 1.0] == 20_000
     else:
-        assert goodness_of_fit(observed, law) > 1e-3
+        assert goodness_of_fit(observed, distribution) > 1e-3
 
 
 def test_reuse_takes_the_past_action_with_the_stated_probability():
@@ -619,9 +619,9 @@ def test_reuse_takes_the_past_action_with_the_stated_probability():
             learner.begin_episode(world.start)
             learner.reuse(policy, psi, 0.95)
             counts[learner.state] += 1
-        law = (1 - taken) * (np.full(4, psi / 4) + (1 - psi) * np.eye(4)[1]) + taken * np.eye(4)[2]
+        distribution = (1 - taken) * (np.full(4, psi / 4) + (1 - psi) * np.eye(4)[1]) + taken * np.eye(4)[2]
         observed = np.array([counts[state] for state in world.successors[world.start]])
-        assert goodness_of_fit(observed, law) > 1e-3
+        assert goodness_of_fit(observed, distribution) > 1e-3
 
 
 def test_q_stays_between_0_and_1(env3):

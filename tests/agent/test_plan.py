@@ -22,8 +22,8 @@ EAST = np.full(9, 3, dtype=np.int8)
 EPISODES, TRAJECTORIES = 12, 5
 
 
-class Notes:
-    """A plan whose draws come from a stream of its own, and what it was told."""
+class NotedPlan:
+    """A plan with its own random stream for draws, and its notes."""
 
     def __init__(self, guides: list[Guide | None], seed: int, **options: Any) -> None:
         random = np.random.default_rng(seed)
@@ -37,7 +37,7 @@ class Notes:
 
 
 def run_by_calls(learner: Any, plan: Plan, start: int) -> tuple[list[int], list[bool], list[list[int]], list[Any]]:
-    """What `run_episodes` returns, by `Plan.run`."""
+    """Return the same as `run_episodes`, by `Plan.run`."""
     steps, truncated, drawn, paths = [], [], [], []
     for _ in range(EPISODES):
         learner.begin_episode(start)
@@ -53,7 +53,7 @@ def check_equal(world: GridWorld, goal: int, seed: int, guides: list[Guide | Non
     compiled = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
     called = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
     reference = ReferenceLearner(world.successors, goal, RandomBits(np.random.SFC64(seed)), **options)
-    notes = [Notes(guides, seed, **plan_options) for _ in range(3)]
+    notes = [NotedPlan(guides, seed, **plan_options) for _ in range(3)]
     steps, truncated, drawn, paths = run_episodes(compiled, notes[0].plan, world.start, EPISODES, TRAJECTORIES)
     expected = run_by_calls(reference, notes[2].plan, world.start)
     assert run_by_calls(called, notes[1].plan, world.start) == expected

@@ -26,7 +26,7 @@ from projects import FIRST_MAPS
 
 from ptl import claims
 from ptl.claims import places, thresholds
-from ptl.claims.evidence import Evidence, Lacking, settings_of
+from ptl.claims.evidence import Evidence, MissingEvidence, settings_of
 from ptl.claims.evidence_files import read_evidence
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
@@ -57,7 +57,7 @@ def judgement(evidence, id):
     return CLAIMS[id].judge(evidence)
 
 
-# -- made-up runs that say the contrary ----------------------------------------------------------------------
+# -- made-up runs that contradict claims ---------------------------------------------------------------------
 
 
 def subgoals_in_room_1(run):
@@ -217,7 +217,7 @@ def test_not_improved_needs_more_than_lack_of_significance(as_in_the_article):
     assert judged.verdict is Verdict.PARTLY
 
 
-# -- what is not in the run ----------------------------------------------------------------------------------
+# -- missing evidence ----------------------------------------------------------------------------------------
 
 COUNTED = {"E2-size", "selection-cost", "space"}
 """Claims that rest on no runs."""
@@ -440,9 +440,9 @@ def test_one_step_from_a_doorway_counts_as_on_it(env1):
 
 
 def test_places_of_another_map_are_refused(env1):
-    with pytest.raises(Lacking, match="21 by 24"):
+    with pytest.raises(MissingEvidence, match="21 by 24"):
         places.rectangle(env1, (1, 2), (1, 2), (21, 24))
-    with pytest.raises(Lacking, match="no doorway"):
+    with pytest.raises(MissingEvidence, match="no doorway"):
         places.doorways(GridWorld.from_text("I.A\n...\n"))
 
 

@@ -149,7 +149,7 @@ def test_lives_that_decide_are_others_than_those_of_the_tables(decided: list[sto
 
 
 def test_a_made_up_run_is_judged_alike_with_exact_first_episodes_of_its_own() -> None:
-    """Only the first episode of the base is replaced, and only where ``exact`` says so."""
+    """Only the first episode of the base is replaced, and only if ``exact`` is set."""
     evidence = MadeUpRun().evidence()
     before = {judged.claim.id: judged.verdict for judged in claims.judge(evidence)}
     after = {judged.claim.id: judged.verdict for judged in claims.judge(replace(evidence, exact=True))}

@@ -38,7 +38,7 @@ open("modules.json", "w").write(json.dumps(sorted(sys.modules)))
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    """The script, run once in a folder of its own: what it printed, and its numbers."""
+    """The script, run once in its own folder: its output and its numbers."""
     folder = tmp_path_factory.mktemp("argument")
     done = subprocess.run([sys.executable, "-c", RUN], cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0 and not done.stderr, done.stderr[-3000:]
@@ -75,7 +75,7 @@ def test_curves_are_those_of_the_published_figure(ran: SimpleNamespace) -> None:
 
 
 def test_verdicts_are_those_of_the_published_tables(ran: SimpleNamespace) -> None:
-    """The ledger has the verdict by the 30 runs of the tables beside the one by all runs."""
+    """The ledger has the verdict by the 30 runs of the tables and the one by all runs."""
     claims = pd.read_csv(ROOT / "reports/published/claims.csv").set_index("id")
     parts = pd.read_csv(ROOT / "reports/published/claims_parts.csv")
     expected = [name for name in claims.index if name.startswith("E2-")]

@@ -1,4 +1,4 @@
-"""How a run compares with another one: tables, verdicts, and what it is never compared with."""
+"""How a run compares with another one: tables, verdicts, and references that are refused."""
 
 from __future__ import annotations
 

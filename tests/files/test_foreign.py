@@ -1,4 +1,4 @@
-"""Results of other programs: what is read, and what is refused with one line before anything is learned."""
+"""Results of other programs: valid tables are read, others refused with one line before anything is learned."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Methods from elsewhere, with parameters of their own."""
+"""Users' methods, with their own parameters."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def steps(name: str) -> list[int]:
 
 
 def verified(name: str) -> str:
-    """What `ptl verify` prints, at a fault before it fails."""
+    """Output of `ptl verify`, at a fault before it fails."""
     return CliRunner().invoke(commands, ["verify", name]).output
 
 

@@ -24,7 +24,7 @@ def forget() -> None:
 
 
 def parsed_imports(path: Path) -> set[str]:
-    """What a file imports from this package and the studies, by Python's own parser."""
+    """Imports of a file from this package and the studies, by Python's own parser."""
     found, ours = set(), ("ptl", "studies")
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] in ours:
@@ -74,7 +74,7 @@ ALL = {*BUILT_IN, "mine", "growth", "survey", "lives"}
 
 
 def learning_digests(package: Path) -> dict[str, str]:
-    """Digest of the jobs of every method, of one from elsewhere that is derived from ptl, and of the other jobs."""
+    """Digest of the jobs of every method, of a user's method derived from ptl, and of the other jobs."""
     forget()
     mine = package.parent / "mine.py"
     mine.write_text("from ptl.keys import Group\nfrom ptl.methods import ptl\n", encoding="utf-8")

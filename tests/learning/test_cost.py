@@ -1,4 +1,4 @@
-"""What the package costs, counted rather than timed: no number here depends on the machine or on its load."""
+"""Costs of the package, counted rather than timed: no number here depends on the machine or on its load."""
 
 from __future__ import annotations
 
@@ -201,7 +201,7 @@ def test_a_task_is_searched_a_few_times_beside_its_diameter(env1: GridWorld):
 
 
 def bytes_of(work: Callable[[], object]) -> int:
-    """Bytes that are held when the work is done, as long as its result lives."""
+    """Bytes allocated at the end of the work, while its result is referenced."""
     tracemalloc.start()
     try:
         kept = work()

@@ -100,7 +100,7 @@ def test_growth_draws_its_own_tasks():
 
 
 def test_env1_subgoals_fall_on_the_doorways(env1):
-    # The published setting on three seeds: the subgoal of each task is its newest doorway, or the cell beside it.
+    # The published setting on three seeds: the subgoal of each task is its newest doorway, or the cell next to it.
     for seed in range(3):
         life = learn_life(env1, tasks_of(env1, "ABCDEF"), "ptl", Parameters(), 5, "env1", seed)
         columns = [int(env1.cells[state][1]) for state in life.library.subgoals]

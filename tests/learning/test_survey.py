@@ -1,4 +1,4 @@
-"""The exhaustive survey of subgoals does what single tasks do."""
+"""The exhaustive survey of subgoals gives the same results as single tasks."""
 
 from __future__ import annotations
 
@@ -86,24 +86,26 @@ def test_survey_refuses_what_does_not_succeed():
         subgoal_frequencies(ROOMS, np.array([0]), range(1, 9), 5, Learning(max_steps=1), 1, "rooms")
 
 
-# -- trees against the exact law -----------------------------------------------------------------------------
+# -- trees against the exact distribution --------------------------------------------------------------------
 
 LEVEL = 0.001
-"""Probability that a test of this file rejects a right law; seeds are fixed, so it does so always or never."""
+"""Probability that a test of this file rejects a true distribution; seeds are fixed, so it does so always or never."""
 
 TWO_ROOMS = GridWorld.from_text("########\n#I.#...#\n#......#\n#..#..A#\n########\n")
 RING = GridWorld.from_text("I...\n.##.\n.##.\n...A\n")
 DEAD_ENDS = GridWorld.from_text("....\nI...\n#.#.\n..#A\n.#..\n")
 
 
-def surveyed(world: GridWorld, start: int, goal: int, samples: int, episodes: int, margin: int = 2, **law) -> list[int]:
-    """Subgoals of independent tasks, each with trees of its own."""
+def surveyed(
+    world: GridWorld, start: int, goal: int, samples: int, episodes: int, margin: int = 2, **learning
+) -> list[int]:
+    """Subgoals of independent tasks, each with its own trees."""
     random = np.random.SFC64(7)
-    survey = Survey(Dynamics(world.successors), episodes, margin=margin, max_steps=10**7, **law)
+    survey = Survey(Dynamics(world.successors), episodes, margin=margin, max_steps=10**7, **learning)
     return [int(survey.subgoals_to(goal, [start], random)[0]) for _ in range(samples)]
 
 
-def path_law(world: GridWorld, policy: np.ndarray, start: int, goal: int) -> dict[tuple[int, ...], float]:
+def path_distribution(world: GridWorld, policy: np.ndarray, start: int, goal: int) -> dict[tuple[int, ...], float]:
     """The probability of each loop-erased path of a walk under a fixed policy.
 
     A path is left for good at each of its states in turn; before that the walk may return to the state without the
@@ -113,12 +115,12 @@ def path_law(world: GridWorld, policy: np.ndarray, start: int, goal: int) -> dic
     connected = np.flatnonzero(world.distances_to(goal) >= 0).tolist()
     moves = np.zeros((n, n))
     np.add.at(moves, (np.arange(n)[:, None], world.successors), policy)
-    law: dict[tuple[int, ...], float] = {}
+    distribution: dict[tuple[int, ...], float] = {}
 
     def go_on(path: list[int], probability: float) -> None:
         here = path[-1]
         if here == goal:
-            law[tuple(path)] = probability
+            distribution[tuple(path)] = probability
             return
         free = [state for state in connected if state != goal and state not in path[:-1]]
         visits = np.linalg.solve(np.eye(len(free)) - moves[np.ix_(free, free)], np.eye(len(free)))
@@ -127,7 +129,7 @@ def path_law(world: GridWorld, policy: np.ndarray, start: int, goal: int) -> dic
             go_on([*path, after], probability * stay * moves[here, after])
 
     go_on([start], 1.0)
-    return law
+    return distribution
 
 
 def after_path(world: GridWorld, path: tuple[int, ...], policy: np.ndarray, epsilon: float) -> np.ndarray:
@@ -140,21 +142,21 @@ def after_path(world: GridWorld, path: tuple[int, ...], policy: np.ndarray, epsi
     return policy
 
 
-def subgoal_law(world: GridWorld, start: int, goal: int, episodes: int, epsilon: float) -> dict[int, float]:
-    """The exact law of the subgoal for gamma = 0, over all tuples of paths."""
-    law: dict[int, float] = {}
+def subgoal_distribution(world: GridWorld, start: int, goal: int, episodes: int, epsilon: float) -> dict[int, float]:
+    """The exact distribution of the subgoal for gamma = 0, over all tuples of paths."""
+    distribution: dict[int, float] = {}
 
     def go_on(paths: list[tuple[int, ...]], policy: np.ndarray, probability: float) -> None:
         if len(paths) == episodes:
             metric = fd_metric([np.array(path) for path in paths], world.n_states).product
             subgoal = int(metric.argmax()) if metric.any() else NO_SUBGOAL
-            law[subgoal] = law.get(subgoal, 0.0) + probability
+            distribution[subgoal] = distribution.get(subgoal, 0.0) + probability
             return
-        for path, chance in path_law(world, policy, start, goal).items():
+        for path, chance in path_distribution(world, policy, start, goal).items():
             go_on([*paths, path], after_path(world, path, policy, epsilon), probability * chance)
 
     go_on([], np.full((world.n_states, 4), 0.25), 1.0)
-    return law
+    return distribution
 
 
 def pooled(counts: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -167,20 +169,20 @@ def pooled(counts: np.ndarray, expected: np.ndarray) -> tuple[np.ndarray, np.nda
 
 @pytest.mark.parametrize("world", [TWO_ROOMS, RING, DEAD_ENDS], ids=["rooms", "ring", "dead ends"])
 @pytest.mark.parametrize("episodes", [1, 2])
-def test_subgoals_with_trees_have_the_exact_law(world: GridWorld, episodes: int):
+def test_subgoals_with_trees_have_the_exact_distribution(world: GridWorld, episodes: int):
     start, goal, samples = world.start, world.goals["A"], 4000
-    law = subgoal_law(world, start, goal, episodes, 0.3)
-    assert sum(law.values()) == pytest.approx(1.0)
+    distribution = subgoal_distribution(world, start, goal, episodes, 0.3)
+    assert sum(distribution.values()) == pytest.approx(1.0)
     found = Counter(surveyed(world, start, goal, samples, episodes, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3))
-    assert set(found) <= set(law)
-    counts = np.array([found[subgoal] for subgoal in law])
-    counts, expected = pooled(counts, samples * np.array(list(law.values())))
+    assert set(found) <= set(distribution)
+    counts = np.array([found[subgoal] for subgoal in distribution])
+    counts, expected = pooled(counts, samples * np.array(list(distribution.values())))
     assert len(expected) >= 2
     assert stats.chisquare(counts, expected).pvalue > LEVEL
 
 
 @pytest.mark.parametrize("world", [TWO_ROOMS, DEAD_ENDS], ids=["rooms", "dead ends"])
-def test_trees_are_used_where_the_exact_law_is_tested(world: GridWorld):
+def test_trees_are_used_where_the_exact_distribution_is_tested(world: GridWorld):
     survey = Survey(Dynamics(world.successors), 2, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3, max_steps=10**7)
     survey.subgoals_to(world.goals["A"], [world.start], np.random.SFC64(1))
     first = Survey(Dynamics(world.successors), 1, margin=1, alpha=0.5, gamma=0.0, epsilon=0.3, max_steps=10**7)
@@ -196,7 +198,7 @@ FAST = {"alpha": 1.0, "gamma": 0.95, "epsilon": 0.1}
 
 
 @pytest.mark.parametrize(
-    ("place", "letter", "episodes", "samples", "law"),
+    ("place", "letter", "episodes", "samples", "learning"),
     [
         ("env1", "A", 5, 600, PUBLISHED),
         ("env1", "F", 5, 200, PUBLISHED),
@@ -209,11 +211,11 @@ FAST = {"alpha": 1.0, "gamma": 0.95, "epsilon": 0.1}
         ("ring", "A", 3, 5000, FAST),
     ],
 )
-def test_subgoals_with_trees_and_step_by_step_have_one_law(published_maps, place, letter, episodes, samples, law):
+def test_subgoals_with_trees_and_step_by_step_agree(published_maps, place, letter, episodes, samples, learning):
     world = {**published_maps, "rooms": TWO_ROOMS, "ring": RING}[place]
     start, goal = world.start, world.goals[letter]
-    margin = 1 if law is FAST else 2
-    trees = Counter(surveyed(world, start, goal, samples, episodes, margin=margin, **law))
+    margin = 1 if learning is FAST else 2
+    trees = Counter(surveyed(world, start, goal, samples, episodes, margin=margin, **learning))
     every_step, _ = subgoals_from(
         Dynamics(world.successors),
         start,
@@ -222,7 +224,7 @@ def test_subgoals_with_trees_and_step_by_step_have_one_law(published_maps, place
         episodes,
         episodes,
         max_steps=10**7,
-        **law,
+        **learning,
     )
     steps = Counter(every_step.tolist())
     cells = sorted(set(trees) | set(steps))

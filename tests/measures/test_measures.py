@@ -14,7 +14,7 @@ from lives import read_lives, write_life
 
 from ptl.errors import UserError
 from ptl.jobs.learn import tasks_in
-from ptl.learning.discoveries import Found, found
+from ptl.learning.discoveries import SubgoalRow, subgoal_row
 from ptl.measures import measures, statistics
 from ptl.measures.measures import MEASURES, Curves, Runs
 from ptl.measures.run_files import measure_files, read_steps, write_steps
@@ -137,7 +137,7 @@ def measured(*all_runs):
     return measures.measure(all_runs, {"tiny": CORRIDOR}, 2, 1.5)
 
 
-NOTHING = Found(-1, 0.0, 0.0, "no rest", -1, -1)
+NOTHING = SubgoalRow(-1, 0.0, 0.0, "no rest", -1, -1)
 
 
 def test_frame_pairs_each_seed_with_its_base():
@@ -187,8 +187,8 @@ def test_subgoals_only_of_methods_with_a_library():
     incremental[door], original[2] = 0.7, 0.1
     frame = measured(
         runs("no_transfer", [9, 9, 9]),
-        runs("ptl", [9, 9, 9], kept=found(door, "new", 3.5, incremental, original)),
-        runs("ptl_supervised", [9, 9, 9], kept=found(-1, "no rest", 0.0, 0 * incremental, 0 * original)),
+        runs("ptl", [9, 9, 9], kept=subgoal_row(door, "new", 3.5, incremental, original)),
+        runs("ptl_supervised", [9, 9, 9], kept=subgoal_row(-1, "no rest", 0.0, 0 * incremental, 0 * original)),
     ).subgoals
     assert tuple(frame.columns) == measures.SUBGOAL_COLUMNS
     assert frame["method"].tolist() == ["ptl", "ptl_supervised"]

@@ -1,4 +1,4 @@
-"""The estimate before a run: near what runs took, and a limit for what nobody means."""
+"""The estimate before a run: close to measured runs, and a limit against unintended ones."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_the_published_run_costs_about_what_it_took(published):
     learned = sum(entry["mean"] for entry in totals()) * published.seeds
     assert learned / 5 < estimate(undecided(published)).steps < learned * 5
     assert cost.jobs == 3 * 6 * 30 + 30 + 3 * 8
-    assert 0.1 < cost.hours < 1.5  # the page on speed says 20 minutes on two cores
+    assert 0.1 < cost.hours < 1.5  # docs/performance.md: 20 minutes on two cores
     assert cost.memory < 10**9
 
 

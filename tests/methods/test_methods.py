@@ -1,4 +1,4 @@
-"""Each method does what its description says, on a learner that only notes what it is asked for."""
+"""Each method behaves as described, on a learner that only records its calls."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WORLD = GridWorld.from_text("I......A\n")
 
 
 class NotingLearner:
-    """Stands in for the kernel: reaches the goal after a given number of exploring calls."""
+    """Replaces the kernel: reaches the goal after a given number of exploring calls."""
 
     def __init__(self, explorations: int = 1, steps: int = 50, q: np.ndarray | None = None) -> None:
         self.q = q
@@ -158,7 +158,7 @@ def test_unknown_goal_has_a_uniform_prior():
 
 @pytest.mark.parametrize(("subgoals", "goal", "expected"), [([2, 5], 6, 2), ([2, 5], 1, 0), ([6], 3, 0), ([], 7, 0)])
 def test_supervisor_names_the_nearest_candidate(subgoals, goal, expected):
-    # A tie (state 3 lies 3 steps from both 0 and 6) goes to the start, that is to no guidance.
+    # A tie (state 3 is 3 steps from both 0 and 6) goes to the start, that is to no guidance.
     method = with_skills("ptl_supervised", subgoals)
     method.begin_task(0, goal)
     assert method.run_episode(NotingLearner(explorations=2)) == [expected] * 2

@@ -438,7 +438,7 @@ def test_a_wrong_reference_is_refused_in_one_line(reference, says):
 
 
 class Unnamed(BaseMethod):
-    """A class under its own name must say its identifier."""
+    """A class used under its own name must have an identifier."""
 
     label, colour = "Unnamed", "#abcdef"
 
@@ -486,9 +486,9 @@ def test_a_method_cannot_hide_steps_or_change_the_map(tmp_path, text, says):
 
 
 def test_the_step_limit_is_that_of_the_run():
-    class Impatient(Imported):
+    class SingleStep(Imported):
         def __init__(self, world, parameters, random):
             super().__init__(world, parameters.replace(learning__max_steps=1), random)
 
-    life = learn_life(ROOMS, tasks_of(ROOMS, "AB"), Impatient, Parameters().replace(learning__episodes=5), 1)
+    life = learn_life(ROOMS, tasks_of(ROOMS, "AB"), SingleStep, Parameters().replace(learning__episodes=5), 1)
     assert not any(record.truncated.any() for record in life.records)

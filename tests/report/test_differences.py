@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from ptl.report.differences import SHOWN, differences_table
+from ptl.report.differences import MAX_COMPARISONS, differences_table
 
 PART = {
     "id": "a",
@@ -47,10 +47,10 @@ def test_a_share_reads_as_in_the_ledger():
 
 
 def test_of_many_comparisons_those_that_do_not_hold_come_first():
-    outcomes = ["holds"] * SHOWN + ["open", "at the bound", "fails"]
+    outcomes = ["holds"] * MAX_COMPARISONS + ["open", "at the bound", "fails"]
     shown = row(CLAIM, [PART | {"part": f"part {i}", "outcome": o} for i, o in enumerate(outcomes)])[2].splitlines()
-    assert len(shown) == SHOWN
-    assert [line.split(":")[0] for line in shown[:4]] == [f"part {SHOWN + k}" for k in (2, 1, 0)] + ["part 0"]
+    assert len(shown) == MAX_COMPARISONS
+    assert [line.split(":")[0] for line in shown[:4]] == [f"part {MAX_COMPARISONS + k}" for k in (2, 1, 0)] + ["part 0"]
 
 
 def test_a_claim_without_comparisons_gives_its_reason():

@@ -124,9 +124,9 @@ def test_first_episodes_lead_to_the_goal_in_the_stored_number_of_steps(data, pat
         for task in run_of(data, file.job.environment, file.job.method, file.job.seed)["tasks"]:
             length, first = task["steps"][0], task["first"]
             visited = walk(file.world, task["start"], first["actions"])
-            assert len(first["actions"]) == min(length, replay.RECORDED_STEPS)
+            assert len(first["actions"]) == min(length, replay.MAX_RECORDED_STEPS)
             assert sum(steps for _, steps in first["parts"]) == length
-            if length <= replay.RECORDED_STEPS:
+            if length <= replay.MAX_RECORDED_STEPS:
                 assert visited.index(task["goal"]) == length
                 whole += 1
             guides = [candidate for candidate, _ in first["parts"] if candidate]
@@ -159,7 +159,7 @@ def test_a_skill_leads_to_its_subgoal_in_its_part_of_the_episode(data, paths):
 
 
 def test_long_first_episodes_are_cut(paths, monkeypatch, data):
-    monkeypatch.setattr(replay, "RECORDED_STEPS", 30)
+    monkeypatch.setattr(replay, "MAX_RECORDED_STEPS", 30)
     cut = collect(read_lives(*paths[:1]), window=10)["environments"][0]["runs"]
     [(name, run)] = cut.items()
     whole = data["environments"][0]["runs"][name]
@@ -222,7 +222,7 @@ class OwnRule(PartialTransfer):
 
 
 class OwnGuide(BaseMethod):
-    """A method that follows a policy of its own."""
+    """A method that follows its own policy."""
 
     name = "own"
     label, colour = "Own guide", "#654321"
@@ -247,7 +247,7 @@ class OwnSteps(BaseMethod):
 
 
 def learned_by(kind, monkeypatch):
-    """A job of a method from elsewhere, and what it learns."""
+    """A job of a user's method, and its arrays."""
     parameters = PARAMETERS.replace(learning__max_steps=2000)
     job = msgspec.structs.replace(chain_job("ptl", parameters=parameters), method="own", reference="own.py")
     with monkeypatch.context() as patch:

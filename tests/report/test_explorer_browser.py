@@ -1,4 +1,4 @@
-"""The explorer in a real browser: what it shows against the learning files, and how it behaves."""
+"""The explorer in a real browser: comparison with the learning files, and behaviour."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def address(files):
 
 
 class Page:
-    """The open page, by what a visitor does and reads."""
+    """The open page, as a visitor uses and reads it."""
 
     def __init__(self, driver, address):
         self.driver = driver
@@ -58,7 +58,7 @@ class Page:
         )
         self.driver.get("about:blank")  # a change of the fragment alone would not load the page anew
         self.driver.get(self.address + "#" + "&".join(f"{key}={quote(str(value))}" for key, value in view.items()))
-        self.wait(lambda: self.text("#finding"))  # the data are unpacked while the page is there already
+        self.wait(lambda: self.text("#finding"))  # the data are unpacked after the page has loaded
         return self
 
     def wait(self, condition):
@@ -83,7 +83,7 @@ class Page:
         self.find(on).send_keys(*keys)
 
     def choose(self, selector):
-        """Click what a pointer would hit: the label around a hidden input."""
+        """Click the label around a hidden input, as a pointer would."""
         self.run("arguments[0].closest('label').click()", self.find(selector))
 
     @property
@@ -97,7 +97,7 @@ class Page:
         return dict(pair.split("=") for pair in fragment.split("&"))
 
     def read_cell(self, stage, state, world):
-        """Go to a cell with the arrow keys and return what is read out."""
+        """Go to a cell with the arrow keys and return the text for screen readers."""
         canvas = f"#stage{stage} canvas"
         self.run("arguments[0].focus()", self.find(canvas))
         row, column = world.cells[state]
@@ -408,7 +408,7 @@ def test_who_leads_in_a_first_episode_is_told(page, files):
 
 
 def test_a_cut_first_episode_says_so(browser, files, monkeypatch, tmp_path, read):
-    monkeypatch.setattr(replay, "RECORDED_STEPS", 30)
+    monkeypatch.setattr(replay, "MAX_RECORDED_STEPS", 30)
     [path] = [path for path in files if path.match("chain/no_transfer/seed_003.h5")]
     (tmp_path / "cut.html").write_text(build(collect(read_lives(path), window=WINDOW)), encoding="utf-8")
     page = Page(browser, (tmp_path / "cut.html").as_uri()).open(task="B")

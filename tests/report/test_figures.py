@@ -101,7 +101,7 @@ INPUTS = {
     "growth": {"growth": "growth.csv"},
     "library_cost": {"selection_cost": "selection.csv", "library_bytes": "storage.csv"},
 }
-"""Input files of every figure that needs no study of its own, by module."""
+"""Input files of every figure that needs no separate study, by module."""
 
 METHODS = ["no_transfer", "full_transfer", "policy_reuse", "ptl"]
 

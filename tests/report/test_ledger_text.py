@@ -35,7 +35,7 @@ def test_every_file_reads_a_value_alike():
 
 
 def test_of_many_parts_those_that_do_not_hold_are_written_out():
-    parts = [part(f"part {i}") for i in range(ledger.SHOWN_PARTS)]
+    parts = [part(f"part {i}") for i in range(ledger.MAX_PARTS)]
     parts += [part("open one", Outcome.OPEN), part("failing one", Outcome.FAILS)]
     headline, first, second, note = ledger.evidence_lines(judgement(parts))
     assert headline == "8 of 10 parts hold, 1 fail, 0 at the bound, 1 open"

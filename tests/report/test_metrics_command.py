@@ -1,4 +1,4 @@
-"""``ptl metrics``: what it prints of a run, and what it refuses."""
+"""``ptl metrics``: its output for a run, and its errors."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pandas as pd
 import pytest
 
-from ptl.report.table import Cell, Column, Group, Row, Table, text_table, to_html, to_latex, to_markdown, write
+from ptl.report.table import Cell, Column, Row, RowGroup, Table, text_table, to_html, to_latex, to_markdown, write
 
 HOSTILE = "<script>alert(1)</script> | *a* $b_c$ \\d & {e} [f](g) `h` ${i} %j #k ~l ^m"
 
@@ -20,13 +20,15 @@ def two_level_table(title: str = "Measures") -> Table:
         Row("PTL", [Cell("1,234 ± 5", "[1,200, 1,300]", best=True), Cell("0.9"), Cell("−0.5")], "#0072b2"),
         Row("Base", [Cell("2,000"), Cell("–", aside=True), Cell("0")]),
     ]
-    return Table(title, "Introduction.", "Method", columns, [Group(rows, "Task A: first", "A")], ["Note."], 3, "Task")
+    return Table(
+        title, "Introduction.", "Method", columns, [RowGroup(rows, "Task A: first", "A")], ["Note."], 3, "Task"
+    )
 
 
 def hostile_table() -> Table:
     columns = [Column(HOSTILE, HOSTILE), Column("other", "unit")]
     row = Row(HOSTILE, [Cell(HOSTILE, HOSTILE, best=True), Cell("1")])
-    return Table(HOSTILE, HOSTILE, HOSTILE, columns, [Group([row], HOSTILE, HOSTILE)], [HOSTILE], 1, HOSTILE)
+    return Table(HOSTILE, HOSTILE, HOSTILE, columns, [RowGroup([row], HOSTILE, HOSTILE)], [HOSTILE], 1, HOSTILE)
 
 
 class Reader(HTMLParser):

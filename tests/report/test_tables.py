@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from ptl.errors import UserError
 from ptl.measures.measures import MEASURES
 from ptl.measures.statistics import Resampling, summarise
-from ptl.report.metric_tables import COLUMNS, Column, best_methods, build_tables, write_tables
+from ptl.report.metric_tables import COLUMNS, MetricColumn, best_methods, build_tables, write_tables
 from ptl.report.table import Cell, Table, to_html, to_latex, to_markdown
 from ptl.report.table_kinds import KINDS, table_labels
 from ptl.text import number
@@ -26,9 +26,9 @@ METHODS = {
 }
 FIRST_EPISODES = {"no_transfer": 1000, "ptl": 100, "full_transfer": 4000}
 ROWS = ["No transfer", "PTL & co_1", "<Other>"]
-FEWER = Column("total_steps", "Total", "steps", "lower")
-MORE = Column("transfer_ratio", "Ratio", "", "higher")
-EPISODES = Column("threshold_episode", "Time", "episodes", "lower", with_share=True)
+FEWER = MetricColumn("total_steps", "Total", "steps", "lower")
+MORE = MetricColumn("transfer_ratio", "Ratio", "", "higher")
+EPISODES = MetricColumn("threshold_episode", "Time", "episodes", "lower", with_share=True)
 
 
 def per_seed() -> pd.DataFrame:

@@ -54,7 +54,7 @@ def wander(evidence: Evidence) -> Iterator[Part]:
 
 
 def put(path: Path, before: str, addition: str) -> None:
-    """Insert text before a place that is there once."""
+    """Insert text before a place that occurs once."""
     source = path.read_text(encoding="utf-8")
     assert source.count(before) == 1, (path, before)
     path.write_text(source.replace(before, addition + before), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Whatever happens to a build or its folder, the next `make` mends it."""
+"""After any damage to a build or its folder, the next `make` repairs it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "PYT
 
 
 def start(folder: Path, *arguments: str) -> subprocess.Popen:
-    """Start a build in a process group of its own."""
+    """Start a build in its own process group."""
     return subprocess.Popen(
         ["make", "build", *arguments], cwd=folder, env=ENVIRONMENT, start_new_session=True, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
@@ -30,7 +30,7 @@ def start(folder: Path, *arguments: str) -> subprocess.Popen:
 
 
 def build(folder: Path, *arguments: str, code: int = 0) -> str:
-    """Build to the end; return what was printed."""
+    """Build to the end; return the output."""
     run = start(folder, *arguments)
     printed, _ = run.communicate(timeout=600)
     assert (run.returncode != 0) == (code != 0), printed[-3000:]

@@ -53,7 +53,7 @@ def blocks(page: str, *languages: str) -> list[str]:
 
 
 def commands_of(language: str, code: str) -> list[str]:
-    """Commands of a block: every line of a script, and what follows the prompts of a session."""
+    """Commands of a block: every line of a script, and the lines after the prompts of a session."""
     lines = code.splitlines()
     return lines if language == "sh" else [line[2:] for line in lines if language == "console" and line[:2] == "$ "]
 
@@ -257,7 +257,7 @@ def test_commands_of_the_pages_are_understood(page: str, command: str) -> None:
 
 
 def run_page(page: str, where: Path, environment: Mapping[str, str]) -> dict[str, str]:
-    """Do what a page says in a folder, in its order; return what each command, and the Python code, printed."""
+    """Follow a page's instructions in a folder, in order; return the output of each command and of the Python code."""
     environment = {**environment, "PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
     text, end, printed = text_of(page), 0, {}
 

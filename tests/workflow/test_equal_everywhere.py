@@ -37,7 +37,7 @@ JOBS = {
     "lives.h5": made(Lives, name="env2_ptl", tasks="AB", method="ptl", seeds=2),
     "libraries.h5": made(Libraries, tasks=3, runs=2),
 }
-"""A job of each kind by what it writes."""
+"""A job of each kind by its output file."""
 
 SCRIPT = """
 from ptl.files.csv import write_csv
@@ -66,7 +66,7 @@ FILES = (*JOBS, "per_seed.csv", "subgoals.csv", "steps.h5", "growth.csv", "figur
 
 
 def run_jobs(folder: Path, python: str | Path = sys.executable, path: str = str(ROOT), **environment: str) -> dict:
-    """Bytes of what all jobs write in a folder of their own."""
+    """Bytes of the files of all jobs in their own folder."""
     (folder / "config/environments").mkdir(parents=True)
     shutil.copy(ROOT / MAP, folder / MAP)
     variables = {"PATH": os.environ["PATH"], "HOME": str(folder), "PYTHONPATH": path, "MPLBACKEND": "Agg"} | environment
@@ -105,7 +105,7 @@ def test_nothing_in_a_file_tells_where_or_when_it_was_made(reference, tmp_path):
 
 @pytest.mark.slow
 def test_whole_runs_are_equal_from_another_folder_in_another_order_and_resumed(tmp_path):
-    """One core from the top against two cores from elsewhere, in stages, under other surroundings."""
+    """One core in the top folder against two cores in another folder, in stages, in another environment."""
     plain, other = Project(tmp_path / "plain"), Project(tmp_path / "other")
     plain.make(*TARGETS, cores=1)
     surroundings = {"PYTHONHASHSEED": "77", "LC_ALL": "C", "TZ": "America/St_Johns"}
@@ -123,7 +123,7 @@ def test_whole_runs_are_equal_from_another_folder_in_another_order_and_resumed(t
 
 
 def build_wheel(python: str | Path, folder: Path) -> Path:
-    """Build the wheel from a copy of the sources, with what this environment has installed."""
+    """Build the wheel from a copy of the sources, with the packages of this environment."""
     source = folder / "source"
     ignored = shutil.ignore_patterns("__pycache__", "*.so", "_*.c", "*.egg-info")
     for name in ("ptl", "workflow", "profiles", "config"):
@@ -141,7 +141,7 @@ def build_wheel(python: str | Path, folder: Path) -> Path:
 
 @pytest.mark.slow
 def test_an_installed_wheel_gives_the_bytes_of_the_checkout(reference, tmp_path):
-    """The wheel in a folder of its own; the packages it needs are those of this environment."""
+    """The wheel in its own folder; the packages it needs are those of this environment."""
     wheel = build_wheel(sys.executable, tmp_path)
     installed = tmp_path / "installed"
     subprocess.run(

@@ -44,7 +44,7 @@ def undisturbed(tmp_path_factory) -> Project:
 
 
 def start(project: Project, *arguments: str) -> subprocess.Popen:
-    """`ptl workflow` in a process group of its own, so that a kill can take all of it and nothing else."""
+    """`ptl workflow` in its own process group, so that a kill ends all of it and nothing else."""
     return subprocess.Popen(
         [sys.executable, "-m", "ptl", "workflow", "-j2", *arguments],
         cwd=project.folder, env=project.environment, start_new_session=True,
@@ -71,7 +71,7 @@ def kill_one_job(run: subprocess.Popen) -> bool:
 
 
 def disturb(project: Project, kill: Callable, moment: float, *arguments: str) -> bool:
-    """Start a run and kill it, or a part of it, after so many seconds; False if it was complete by then."""
+    """Start a run and kill it, or a part of it, after some seconds; False if it was complete by then."""
     run = start(project, *arguments)
     try:
         try:
@@ -95,7 +95,7 @@ def disturb(project: Project, kill: Callable, moment: float, *arguments: str) ->
 
 
 def finish(project: Project, *arguments: str) -> None:
-    """What `make` does: run again, whatever happened before."""
+    """Run again, as `make` does, regardless of earlier faults."""
     done = project.ptl("workflow", "-j2", *arguments)
     assert done.returncode == 0, done.stderr[-3000:]
 
@@ -198,7 +198,7 @@ def results_of(project: Project) -> list[Path]:
 
 
 def test_every_damage_is_found(kept, record_property):
-    """Whatever byte it is in: no exceptions, not even unused bytes."""
+    """A change of any byte is detected, even of unused ones."""
     chance = random.Random(SEED)
     tried = 0
     for path in results_of(kept):

@@ -49,7 +49,7 @@ def outcome(config: Any) -> str:
         line = str(error)
         assert line.strip() and "\n" not in line and len(line) < 2000, line[:300]
         return line
-    # What was let through is safe to build names and commands from.
+    # Accepted values are safe in names and commands.
     for name in (complete.run, *complete.environments, *complete.methods):
         assert SAFE_NAME.fullmatch(name)
     json.dumps(complete.to_dict(), allow_nan=False)
@@ -118,7 +118,7 @@ def test_the_end_of_a_name_is_the_end_of_its_line():
 
 
 TEXTS = ["a b", "it's", 'say "so"', "$(touch hacked)", "`touch hacked`", "a;touch hacked", "a|b>c&d", "é*?~", "..x"]
-"""Texts that titles and paths of maps may hold."""
+"""Texts that titles and paths of maps may contain."""
 
 
 def test_titles_and_map_paths_never_become_shell_text(tmp_path):

@@ -1,4 +1,4 @@
-"""``import ptl`` as a library: the public names, the Gymnasium view, and what an import costs."""
+"""``import ptl`` as a library: the public names, the Gymnasium view, and the cost of an import."""
 
 from __future__ import annotations
 

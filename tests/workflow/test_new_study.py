@@ -1,4 +1,4 @@
-"""Studies of one's own: folders made by `ptl new-study`, outside of the checkout."""
+"""Users' studies: folders made by `ptl new-study`, outside of the checkout."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Study:
 
 
 def new_study(folder: Path, package: Path) -> Study:
-    """Make a study of two maps, one of them in an order of its own."""
+    """Make a study of two maps, one of them with its own order."""
     (folder / "rooms.txt").write_text(ROOMS)
     (folder / "Long hall.txt").write_text(HALL)
     for place, file, text in (("mine", "hasty.py", HASTY), ("agents", "walker.py", WALKER)):
@@ -153,7 +153,7 @@ def test_a_method_from_elsewhere_came_with_its_helpers_and_is_learned_again_when
 
 @pytest.mark.slow
 def test_it_runs_from_a_wheel(tmp_path: Path) -> None:
-    """Whatever the checkout has beside the package is in the wheel."""
+    """Everything next to the package in a checkout is in the wheel."""
     site = tmp_path / "site"
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     for command in (

@@ -124,7 +124,7 @@ OPTIONS = (
     "--workflow-profile", "profiles/slurm", "--cores", "2", "--slurm-status-command", "squeue", "--slurm-no-account",
     "--slurm-init-seconds-before-status-checks", "2", "--seconds-between-status-checks", "2", "--latency-wait", "10",
 )  # fmt: skip
-"""What this cluster needs beyond the profile: it has two cores and no accounting, and quick answers save time."""
+"""Options in addition to the profile: the cluster has two cores and no accounting, and quick answers save time."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""Results and products of another configuration, map, code or checkout are made again or refused, whatever is lost."""
+"""Results and products of another configuration, map, code or checkout are made again or refused, even after losses."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ FASTER = {"learning": {"episodes": 20, "alpha": 0.7}}
 
 
 def theirs(steps: int) -> str:
-    """Results of another program: so many steps in every episode."""
+    """Results of another program, with the same number of steps in every episode."""
     rows = [
         f"rooms,theirs,{task},{seed},{episode},{steps}\n"
         for task in "AB" for seed in range(TINY["seeds"]) for episode in range(1, 21)
@@ -62,7 +62,7 @@ def run(finished: Project, tmp_path: Path) -> Iterator[Project]:
 
 
 def forget(run: Project) -> None:
-    """Lose what Snakemake remembers."""
+    """Delete Snakemake's records."""
     shutil.rmtree(run.folder / ".snakemake")
 
 

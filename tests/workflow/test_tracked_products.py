@@ -24,7 +24,7 @@ def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path)
 
 
 APART = ("manifest.json", "benchmark.*", "scaling.*")
-"""Tracked files that are no products of the main run, or hold checksums themselves."""
+"""Tracked files that are not products of the main run, or contain checksums themselves."""
 
 
 def test_the_manifest_names_every_product_of_the_main_run():

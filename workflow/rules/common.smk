@@ -56,7 +56,7 @@ try:
 except UserError as error:
     refuse(error)
 
-# Every job calls the `ptl` of the Python that runs Snakemake, whatever is on the path. Jobs are single-threaded;
+# Every job calls the `ptl` of the Python that runs Snakemake, regardless of the path. Jobs are single-threaded;
 # without the settings each one starts a pool of idle threads.
 shell.prefix(
     "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MPLBACKEND=Agg; "

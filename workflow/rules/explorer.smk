@@ -1,4 +1,4 @@
-# The page in which the learning of some seeds can be watched; complete in itself.
+# A self-contained page that shows the learning of some seeds.
 
 # A few seeds show how much runs differ; with more the page would be too large for the report (see `pack`).
 EXPLORED = learning_of(seeds=3)

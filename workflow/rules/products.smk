@@ -48,7 +48,7 @@ rule manifest:
         rules.explorer.input,
     output:
         manifest="<reports>/manifest.json",
-        # says which products were made here, and not only checked out
+        # records which products were made here, not just checked out
         made="<results>/made.json",
     log:
         "<logs>/manifest.log",

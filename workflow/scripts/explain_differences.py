@@ -1,4 +1,4 @@
-"""Set the article's statements beside the run's numbers."""
+"""Compare the article's statements with the run's numbers."""
 
 from ptl.files.atomic import write_text
 from ptl.files.csv import read_csv

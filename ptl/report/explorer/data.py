@@ -1,6 +1,6 @@
 """From learning files to the data set of the page.
 
-The data set is a dictionary that JSON can hold::
+The data set is a dictionary that is serializable as JSON::
 
     actions       names of the actions
     window        episodes of the final mean
@@ -17,7 +17,7 @@ it), policy} and a task
     policy        greedy in that Q, first of equal actions
     metric        metric by which the next subgoal was sought, for each state
     drawn         candidates drawn in each episode (0 is no guidance)
-    chances       for each candidate its probability in each episode; null if the method draws by a rule of its own
+    chances       for each candidate its probability in each episode; null if the method has its own selection rule
     first         first episode: {informed, actions, parts}, see `ptl.report.explorer.replay.Notes`
 
 Policies and actions are texts of one letter a state or step, the initial of the action, "." where undefined.
@@ -42,10 +42,10 @@ from ptl.report.explorer.replay import Notes, replay
 from ptl.world.gridworld import ACTIONS
 
 DECIMALS = 4
-"""Kept of shares and of log10 of values, which are thus right to 0.012%."""
+"""Decimals of shares and of log10 of values; the values are thus accurate to 0.012%."""
 
 LETTERS = np.array([*(name[0].upper() for name in ACTIONS), "."])
-"""Letter of each action; the last one stands for -1, undefined."""
+"""Letter of each action; the last one is for -1, undefined."""
 
 
 def collect(results: Iterable[Result], *, window: int, titles: Mapping[str, str] | None = None,

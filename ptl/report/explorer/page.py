@@ -1,4 +1,4 @@
-"""Joins the data set, the style and the scripts into one HTML file that needs nothing else.
+"""Join the data set, the style and the scripts into one self-contained HTML file.
 
 The scripts in ``web`` are plain ES modules. They are joined without a build tool: import lines and the word
 ``export`` are dropped, and the whole becomes one function, so no name reaches the page and no file refers to
@@ -61,7 +61,7 @@ def build(data: dict[str, Any]) -> str:
         f" style-src '{_source_hash(style)}'; script-src '{_source_hash(script)}'"
     )
     parts = {"policy": policy, "style": style, "script": script, "data": pack(data)}
-    for name in ("stage", "detail"):  # these stand twice in the page
+    for name in ("stage", "detail"):  # these occur twice in the page
         parts[name] = (WEB / f"{name}.html").read_text(encoding="utf-8")
     page = (WEB / "explorer.html").read_text(encoding="utf-8")
     return re.sub(r"\{\{(\w+)\}\}", lambda match: parts[match.group(1)], page)

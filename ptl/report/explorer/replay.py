@@ -1,4 +1,4 @@
-"""Learn a stored life again and note what its file does not hold: probabilities and the steps of first episodes.
+"""Learn a stored life again and record what its file does not contain: probabilities and the steps of first episodes.
 
 Equal seeds give equal lives, so the package's own code is run a second time, and a life that differs from its file in
 a single step, draw or value is refused.
@@ -23,11 +23,11 @@ from ptl.methods._base import BaseMethod
 from ptl.methods.policy_reuse import Method as PolicyReuse
 from ptl.methods.ptl import Method as PartialTransfer
 
-RECORDED_STEPS = 5000
-"""Steps of a first episode that are kept (our choice, for the size of the page)."""
+MAX_RECORDED_STEPS = 5000
+"""Maximum number of recorded steps of a first episode (our choice, for the size of the page)."""
 
 OWN_GUIDE = -1
-"""Stands for a policy that is neither a skill of the library nor the policy of an earlier task."""
+"""Candidate number of a policy that is neither a skill of the library nor the policy of an earlier task."""
 
 
 @dataclass
@@ -39,9 +39,9 @@ class Notes:
     informed : bool
         Whether the task started from action values other than zero.
     chances : list of float arrays, shape (candidates,)
-        Probability of each candidate at the beginning of each episode; empty if the method draws by a rule of its own.
+        Probability of each candidate at the beginning of each episode; empty if the method has its own selection rule.
     actions : uint8 array
-        Actions of the first episode, at most `RECORDED_STEPS`.
+        Actions of the first episode, at most `MAX_RECORDED_STEPS`.
     parts : list of [int, int]
         Parts of the first episode in order: the candidate that guided (0 for none, `OWN_GUIDE`) and its steps.
     """
@@ -78,7 +78,7 @@ def replay(result: Result, kind: type[BaseMethod] | None = None) -> Iterator[Not
 
 
 def probabilities(method: BaseMethod) -> np.ndarray | None:
-    """Return the probability of each candidate in the next episode, None if there is none or the rule is not known."""
+    """Return the probability of each candidate in the next episode, None if it has no candidates or an unknown rule."""
     if isinstance(method, PolicyReuse):
         return method.arm_probabilities()
     if not isinstance(method, PartialTransfer):
@@ -91,7 +91,7 @@ def probabilities(method: BaseMethod) -> np.ndarray | None:
 
 
 class _Watched(BaseMethod):
-    """A method that is watched while it learns."""
+    """A method that is recorded while it learns."""
 
     notes: Notes
 
@@ -114,7 +114,7 @@ class _Watched(BaseMethod):
         if self.notes.parts:
             learner.record(0)
             return self.method.run_episode(learner)
-        learner.record(RECORDED_STEPS)
+        learner.record(MAX_RECORDED_STEPS)
         watched = _WatchedLearner(learner, self._guides())
         drawn = self.method.run_episode(watched)
         self.notes.actions, self.notes.parts = learner.recorded, watched.parts
@@ -130,7 +130,7 @@ class _Watched(BaseMethod):
 
 
 class _WatchedLearner:
-    """Passes every call on to a learner and notes who guided it for how long."""
+    """Forward every call to a learner and record which candidate guided it for how many steps."""
 
     def __init__(self, learner: Learner, guides: list[np.ndarray]) -> None:
         self._learner = learner

@@ -25,13 +25,13 @@ ARTICLE_NUMBERS = {
     "measures": "figure13",
     "growth": "figure14",
 }
-"""What figures that do not belong to one environment are called in a run on the article's maps."""
+"""Names of figures that do not belong to one environment, in a run on the article's maps."""
 
 ARTICLE_ONLY = {"misleading_prior"}
 """Figures that are about the article, not about the environments of a run."""
 
 ALWAYS_SHOWN = {"no_transfer", "ptl"}
-"""Methods without which a run has not all figures."""
+"""Methods that some figures require."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Figure:
     shows : str
         Label in the report.
     caption : str
-        What a reader needs to know to read it (plain text).
+        Explanation for the reader (plain text).
     needs : tuple of str
         Kinds of input files, by their names in `SOURCES` of ``workflow/rules/figures.smk``.
     groups : tuple of str
@@ -203,7 +203,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
 
 
 def left_out(config: Mapping[str, Any], article: bool) -> dict[str, str]:
-    """Return the figures that a run cannot have, each with the methods that it lacks for them."""
+    """Return the figures that a run cannot have, each with the missing methods."""
     compared = list(config["methods"])
     wanted = figures({**config, "methods": [*compared, *sorted(ALWAYS_SHOWN - set(compared))]}, article)
     there = figures(config, article)
@@ -215,7 +215,7 @@ def left_out(config: Mapping[str, Any], article: bool) -> dict[str, str]:
 
 
 def item_label(name: str, row: Figure) -> str:
-    """Return the name of a figure for readers: ``figure09`` is Figure 09, others are called as their row says."""
+    """Return the name of a figure for readers: ``figure09`` is Figure 09, others have the name in their row."""
     return f"Figure {name.removeprefix('figure')}" if name.startswith("figure") else row.item
 
 

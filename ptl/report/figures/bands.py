@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 
 STREAM = 20190501
 """Seed of the resampling; a figure is the same every time it is drawn."""
@@ -27,12 +27,12 @@ def mean_band(values: np.ndarray, confidence: float, resamples: int) -> tuple[np
     Returns
     -------
     mean, low, high : float arrays, shape (points,)
-        With fewer than `FEWEST_FOR_INTERVAL` runs the interval does not exist and its ends are NaN.
+        With fewer than `MIN_FOR_INTERVAL` runs the interval does not exist and its ends are NaN.
     """
     values = np.asarray(values, dtype=float)
     runs = len(values)
     mean = values.mean(axis=0)
-    if runs < FEWEST_FOR_INTERVAL:
+    if runs < MIN_FOR_INTERVAL:
         nothing = np.full_like(mean, np.nan)
         return mean, nothing, nothing
     low, high = interval(resampling_weights(runs, resamples) @ values, confidence)

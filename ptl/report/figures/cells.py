@@ -25,9 +25,9 @@ LETTER: dict[str, Any] = {
     "fontfamily": "DejaVu Sans Mono", "fontweight": "bold",
     "ha": "center", "va": "center_baseline", "zorder": 6,
 }  # fmt: skip
-"""Type of the letters on maps; with serifs the start's I cannot be taken for a bar."""
-LARGEST_CELL = 0.42
-"""Largest side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
+"""Type of the letters on maps; with serifs the start's I cannot be mistaken for a bar."""
+MAX_CELL_SIDE = 0.42
+"""Maximum side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
 
 
 def _paint(axes: Axes, values: np.ndarray, **look: Any) -> QuadMesh:
@@ -115,8 +115,8 @@ def draw_places(
 
     Parameters
     ----------
-    axes, world
-        Where and what.
+    axes : matplotlib.axes.Axes
+    world : GridWorld
     cell : float
         Side of a drawn cell in inches, for the size of the letters.
     goals : iterable of str, optional
@@ -152,9 +152,9 @@ def draw_rings(axes: Axes, world: GridWorld, states: Sequence[int], sizes: np.nd
 
 
 def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float:
-    """Return the side in inches of a cell when the map fills a box of this size, at most `LARGEST_CELL`."""
+    """Return the side in inches of a cell when the map fills a box of this size, at most `MAX_CELL_SIDE`."""
     rows, columns = world.shape
-    return min(width / columns, height / rows, LARGEST_CELL)
+    return min(width / columns, height / rows, MAX_CELL_SIDE)
 
 
 def pack(shapes: Sequence[tuple[float, float]], target: float = 1.9, narrowest: float = 0.27) -> list[list[int]]:
@@ -168,7 +168,7 @@ def pack(shapes: Sequence[tuple[float, float]], target: float = 1.9, narrowest: 
     target : float
         Wanted ratio of width to height.
     narrowest : float
-        Least share of the width that a panel beside others gets, so that there is room for its title.
+        Minimum share of the width that a panel beside others gets, so that there is room for its title.
 
     Returns
     -------

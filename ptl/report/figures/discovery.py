@@ -1,4 +1,4 @@
-"""Figures 9 to 11: the f*d metric of subgoal discovery, original beside incremental, task by task."""
+"""Figures 9 to 11: the f*d metric of subgoal discovery, original and incremental, task by task."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 METRICS = ("original", "incremental")
-NARROWEST, LOWEST = 2.3, 3.2
-"""Inches: least width of a panel (for its title) and least height of all (for the colour bar's label)."""
+MIN_PANEL_WIDTH, MIN_HEIGHT = 2.3, 3.2
+"""Minimum width of a panel (for its title) and height of all (for the label of the colour bar), in inches."""
 RING = (6.0, 19.0)
 """Diameter in points of a ring for one seed and for all seeds."""
 
@@ -108,7 +108,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
     sides = {shape: _cell_side(world, *shape) for shape in (by_row, by_column)}
     shape = max(sides, key=lambda shape: sides[shape])
     side = sides[shape]
-    room = rows, columns = cells.roomy(world, side, NARROWEST, LOWEST / shape[0])
+    room = rows, columns = cells.roomy(world, side, MIN_PANEL_WIDTH, MIN_HEIGHT / shape[0])
     width = shape[1] * (side * columns + 0.25) + 1.5
     height = shape[0] * (side * rows + 0.45) + 1.35
     figure = style.new_figure(max(width, 8.5), height, compress=True)
@@ -127,8 +127,8 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
             marked = part[part["chosen"] > 0]
             cells.draw_rings(axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds))
             axes.set_title(f"task {task}, {metric}", fontsize=15)
-            if (found := int(part["chosen"].sum())) < seeds:
-                axes.set_xlabel(f"a subgoal in {found} of {seeds} seeds", loc="left", fontsize=13)
+            if (count := int(part["chosen"].sum())) < seeds:
+                axes.set_xlabel(f"a subgoal in {count} of {seeds} seeds", loc="left", fontsize=13)
     bar = figure.colorbar(heat, ax=panels.ravel().tolist(), shrink=0.9, aspect=24, pad=0.015)
     bar.set_label("metric f·d, mean over seeds")
     bar.outline.set_visible(False)

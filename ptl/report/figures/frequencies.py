@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 GAP = 1.75
-"""Inches beside a map for its colour bar."""
-NARROWEST = 0.6
-"""Least ratio of width to height of a panel."""
-LOWEST = 5.2
-"""Least height of the figure in inches, for the colour bar's label."""
+"""Width in inches for the colour bar of a map."""
+MIN_ASPECT = 0.6
+"""Minimum ratio of width to height of a panel."""
+MIN_HEIGHT = 5.2
+"""Minimum height of the figure in inches, for the label of the colour bar."""
 HEAD = 1.0
 """Inches above and below a map for its title and margins."""
 
@@ -84,17 +84,17 @@ def draw(items: Sequence[Frequencies], frame: pd.DataFrame, titles: Mapping[str,
     """Draw a heat map for each environment, on one colour scale (square root), so that they can be compared."""
     worlds = [item.world for item in items]
     # panels get room for the words above and below even if the map is a narrow tower
-    rooms = [(rows, max(columns, NARROWEST * rows)) for rows, columns in (world.shape for world in worlds)]
+    rooms = [(rows, max(columns, MIN_ASPECT * rows)) for rows, columns in (world.shape for world in worlds)]
     arrangement = cells.pack(rooms)
     sides, heights = [], []
     for row in arrangement:
         shapes = [rooms[index] for index in row]
         width = style.SLIDE_WIDTH - GAP - 0.35 * len(row)
         scale = sum(columns / rows for rows, columns in shapes)
-        height = min(width / scale, *(cells.LARGEST_CELL * rows for rows, _ in shapes), 6.0)
+        height = min(width / scale, *(cells.MAX_CELL_SIDE * rows for rows, _ in shapes), 6.0)
         sides.append([height / rows for rows, _ in shapes])
         heights.append(height + HEAD)
-    figure = style.new_figure(style.SLIDE_WIDTH, max(sum(heights), LOWEST))
+    figure = style.new_figure(style.SLIDE_WIDTH, max(sum(heights), MIN_HEIGHT))
     halves: Any = figure.subfigures(1, 2, width_ratios=[style.SLIDE_WIDTH - GAP, GAP])
     maps, edge = halves
     bands = np.atleast_1d(maps.subfigures(len(arrangement), 1, height_ratios=heights))

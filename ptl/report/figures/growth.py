@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ptl.measures.growth import TwoSlopes, fit_two_slopes
 from ptl.measures.run_files import read_sizes
-from ptl.measures.sample_size import FEWEST_FOR_INTERVAL
+from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights
 from ptl.text import interval as limits
@@ -55,7 +55,7 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     )
     frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept)
     lines = fit_two_slopes(resampling_weights(len(sizes), resamples) @ sizes, bend)
-    enough = len(sizes) >= FEWEST_FOR_INTERVAL
+    enough = len(sizes) >= MIN_FOR_INTERVAL
     for side in ("before", "after"):
         ends = interval(getattr(lines, side), confidence) if enough else (np.nan, np.nan)
         frame[f"slope_{side}"] = getattr(line, side)
@@ -84,7 +84,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
-    # the curve bends downwards, so below it, right of the bend, there is room for words
+    # the curve bends downwards, so the area below it, right of the bend, is free for text
     arrow = {"arrowstyle": "-", "color": style.MUTED, "shrinkA": 4, "shrinkB": 5}
     for name, x, place in (
         ("before", 0.6 * bend, (0.31, 0.10)),

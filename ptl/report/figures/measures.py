@@ -56,7 +56,7 @@ def measures(
     """Compute the mean curve of two methods and the three measures of these curves.
 
     Measures of the tables are means of per-seed measures; those here are measures of the mean curve, because
-    that is what can be seen in the picture. Jump start and asymptotic performance are the same in both.
+    these are visible in the figure. Jump start and asymptotic performance are the same in both.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
     level = float(frame["threshold"].iloc[0])
     axes.axhline(level, color=style.INK, linewidth=1.3, linestyle=(0, (4, 3)), zorder=1)
     lowest = min(level, float(frame["mean"].min()))
-    # the longest way comes first (undefined ones before it), so that no line crosses words
+    # the longest way comes first (undefined ones before it), so that no line crosses text
     order = frame.drop_duplicates("method").sort_values("threshold_episode", ascending=False, na_position="first")
     methods = order["method"].tolist()
     axes.set_ylim(bottom=lowest / DIMENSION_STEP ** (len(methods) + 0.8))

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ptl.world.gridworld import GridWorld
 
 NULL_SKILL = "none"
-"""Stands for the null skill where skills are named by the task that taught them."""
+"""Name of the null skill where skills are named by the task that taught them."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Selections:
 
 
 EPISODES = 60
-"""Episodes that the figure shows at most."""
+"""Maximum number of episodes in the figure."""
 
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
@@ -69,7 +69,7 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
 def collect(results: Iterable[Result], statistics: Statistics, task: str | None = None) -> Selections:
     """Compute the selection probabilities of one task from learning files of the method ``ptl``.
 
-    The files hold which skills each episode used and how long it was; that determines the probabilities.
+    The files contain the skills and the length of each episode, which determine the probabilities.
 
     Parameters
     ----------

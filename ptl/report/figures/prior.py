@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
 
-LOWEST = 1e-4
-"""Least relative prior told apart by colour."""
+MIN_PRIOR = 1e-4
+"""Minimum relative prior that the colours resolve."""
 
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
@@ -56,7 +56,7 @@ def draw(world: GridWorld, frame: pd.DataFrame, title: str) -> Figure:
     axes = figure.add_subplot()
     goal = str(frame["goal"].iloc[0])
     values = frame["relative_prior"].to_numpy()
-    norm = LogNorm(max(float(values.min()), LOWEST), 1, clip=True)
+    norm = LogNorm(max(float(values.min()), MIN_PRIOR), 1, clip=True)
     heat = cells.draw_heat(axes, world, values, norm)
     cells.draw_world(axes, world, room=room)
     cells.draw_places(axes, world, side, goals=[goal])

@@ -50,7 +50,7 @@ def save(figure: Figure, frame: pd.DataFrame, path: str | os.PathLike[str]) -> N
         words.set_parse_math(False)
     with atomic_path(path) as png, atomic_path(path.with_suffix(".svg")) as svg:
         figure.savefig(png, dpi=PNG_RESOLUTION, metadata={"Software": None})
-        figure.set_layout_engine("none")  # the twin keeps the layout that was just worked out
+        figure.set_layout_engine("none")  # the second file keeps the layout just computed
         figure.savefig(svg, metadata={"Date": None, "Creator": None})
         write_csv(frame, path.with_suffix(".csv"))
 

@@ -89,7 +89,7 @@ _R = TypeVar("_R")
 
 
 def styled(draw: Callable[_P, _R]) -> Callable[_P, _R]:
-    """Run a drawing function under `PARAMETERS`, whatever settings the caller's matplotlib has."""
+    """Run a drawing function under `PARAMETERS`, independent of the caller's matplotlib settings."""
 
     @wraps(draw)
     def wrapper(*args: _P.args, **kwargs: _P.kwargs) -> _R:
@@ -112,6 +112,6 @@ def new_figure(width: float, height: float, compress: bool = False) -> Figure:
 
 def method_look(identifier: str) -> tuple[str, str]:
     """Return colour and label of a method, the same in every figure (they are attributes of the method itself)."""
-    # imported by name: only figures that show methods depend on them, and their rules say so
+    # imported by name: only the rules of figures that show methods depend on them
     method = import_module("ptl.methods").load(identifier)
     return method.colour, method.label

@@ -1,6 +1,6 @@
 """Methods of the second study, one file each: rivals of PTL, PTL with other parts, and proposals of ours.
 
-They are no part of the article's comparison. `reference` makes a reference such as
+They are not part of the article's comparison. `reference` makes a reference such as
 ``studies.beyond.methods.rmax:Method`` from an identifier.
 """
 
@@ -22,7 +22,7 @@ def reference(name: str) -> str:
 
 
 def module_of(method: str) -> str:
-    """Return the module of this package that defines a method, empty if the method comes from elsewhere."""
+    """Return the module of this package that defines a method, empty if it is defined outside."""
     place = reference(method).partition(":")[0]
     if place in methods.names():
         return f"ptl.methods.{place}"

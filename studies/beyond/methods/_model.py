@@ -28,7 +28,7 @@ class Model:
         self.size = 0
 
     def note(self, state: int, action: int, after: int) -> None:
-        """Note what an action led to."""
+        """Record the state that an action led to."""
         self.size += self.after[state][action] == UNTRIED
         self.after[state][action] = after
 

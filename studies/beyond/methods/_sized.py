@@ -1,4 +1,4 @@
-"""PTL with libraries of a given size: so many skills after each task, needed or not."""
+"""PTL with libraries of a given size: a fixed number of skills after each task, needed or not."""
 
 from __future__ import annotations
 

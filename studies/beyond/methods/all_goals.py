@@ -40,7 +40,7 @@ class EveryState(SkillLibrary):
 
 
 class Method(PartialTransfer):
-    """As `ptl`, with a skill to every visited state: what selection can make of the largest library.
+    """As `ptl`, with a skill to every visited state: the limit case for selection.
 
     L. P. Kaelbling, Learning to achieve goals, IJCAI 1993. A skill is a shortest path over all transitions seen so
     far. The size of this library grows with the map.

@@ -1,4 +1,4 @@
-"""The skill to the frontier without a library: what is left of `ptl_frontier` when nothing is stored."""
+"""The skill to the frontier without a library: `ptl_frontier` without stored skills."""
 
 from __future__ import annotations
 

@@ -79,7 +79,7 @@ class Method(PartialTransfer):
             return prior(world.cells, places, goal, world.diagonal, skills.prior_form, skills.prior_width, allowed)
         steps = self.graph.steps_to(self.frontier)[places]
         allowed &= steps >= 0
-        # f is reached from the start over seen transitions, so the null skill is there if nothing else is
+        # f is reached from the start over seen transitions, so at least the null skill is a candidate
         allowed[NULL_SKILL] |= not allowed.any()
         return prior_of_distances(steps, skills.prior_width * world.diagonal, allowed=allowed)
 

@@ -1,4 +1,4 @@
-"""PTL with a skill to the frontier and a prior that knows ways: a proposal of ours."""
+"""PTL with a skill to the frontier and a prior based on paths: a proposal of ours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""PTL with a prior that knows ways: a proposal of ours."""
+"""PTL with a prior based on paths: a proposal of ours."""
 
 from __future__ import annotations
 

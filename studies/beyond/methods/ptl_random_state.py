@@ -1,4 +1,4 @@
-"""PTL whose skills end anywhere: does it matter where?"""
+"""PTL whose skills end at random states: does the subgoal matter?"""
 
 from __future__ import annotations
 

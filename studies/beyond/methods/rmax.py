@@ -50,10 +50,10 @@ class Method(BaseMethod):
             known, origin, way = self._route
             if (known, origin) == (self.model.size, state):
                 return way
-            found = self.model.way_to(state, self.goal)
-            if found is not None:
-                self._route = (self.model.size, state, found)
-                return found
+            path = self.model.way_to(state, self.goal)
+            if path is not None:
+                self._route = (self.model.size, state, path)
+                return path
         untried = self.model.way_to_untried(state, self.random)
         assert untried is not None  # the goal can be reached, so until it is, something is untried
         return untried

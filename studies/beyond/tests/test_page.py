@@ -21,7 +21,7 @@ STUDY = SecondStudy.read(
 
 
 def lives(**ratios: float | tuple[float, float]) -> pd.DataFrame:
-    """Lives whose cost is so many times that of PTL, in both families or in each of them."""
+    """Lives whose cost is a multiple of that of PTL, in both families or in each of them."""
     random = np.random.default_rng(1)
     rows = []
     for family in FAMILIES:

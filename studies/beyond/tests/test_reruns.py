@@ -1,4 +1,4 @@
-"""The workflow of the second study uses files only if they were made from what is asked for, whatever was lost."""
+"""The workflow of the second study uses files only if they were made by the expected jobs, whatever was lost."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ class Side:
         return self.project.files("results/small/lives", "reports/small")
 
     def forget(self) -> None:
-        """Lose what Snakemake remembers."""
+        """Delete Snakemake's records."""
         shutil.rmtree(self.folder / ".snakemake")
 
     def put(self, name: str, text: str) -> None:

@@ -87,7 +87,7 @@ def test_a_stored_skill_closes_the_path_to_a_ring():
 
 
 def test_the_conditions_are_the_same_for_every_finder():
-    """Whether a skill is added follows from the incremental metric; the finder says where."""
+    """The incremental metric determines whether a skill is added, the finder where."""
     long, short = WHOLE_PATH, [np.arange(2)]
     for finder in (incremental, finders.original_fd, finders.task_goal, finders.farthest, finders.covering):
         library = SkillLibrary(finder=finder)

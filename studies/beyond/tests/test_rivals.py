@@ -1,4 +1,4 @@
-"""The methods of the second study do what their descriptions say."""
+"""The methods of the second study behave as described."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def steps_of(name: str, world: GridWorld, seed: int, tasks: str, parameters: Par
 
 @pytest.mark.parametrize("name", names())
 def test_a_life_of_each_is_a_sound_file_that_the_explorer_shows(name, tmp_path):
-    """A method may draw what is no skill of the library."""
+    """A method may draw candidates that are not skills of the library."""
     job = Learn(
         root_seed=15, parameters=FEW.to_dict(), maps={"ring": map_digest(RING.text)}, code="0" * 16, environment="ring",
         tasks="AB", method=name, reference=reference(name), seed=0,

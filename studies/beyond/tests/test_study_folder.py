@@ -1,4 +1,4 @@
-"""Other people's methods on the maps of the second study, as its page of documentation says."""
+"""Users' methods on the maps of the second study, as documented."""
 
 from __future__ import annotations
 

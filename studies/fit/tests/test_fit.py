@@ -1,4 +1,4 @@
-"""The search for a reading that fits: a tiny search, and what is on record of the one that was made."""
+"""The search for a reading that fits: a tiny search, and the records of the published one."""
 
 from __future__ import annotations
 

@@ -97,7 +97,7 @@ def test_a_past_policy_does_not_depend_on_the_library_it_is_in() -> None:
 
 
 def test_a_good_library_beats_plain_q_learning() -> None:
-    """Task 5 lies beside the new task, so its policy helps from the first hundred trials on (source: FV)."""
+    """Task 5 is next to the new task, so its policy helps from the first hundred trials on (source: FV)."""
     good, plain = (np.mean([learned(tasks, seed, 800, 20_000)[0].mean() for seed in (0, 1)]) for tasks in ("2345", ""))
     assert good > 1.3 * plain
 

@@ -1,4 +1,4 @@
-"""The robustness study: its design, its maps, one setting from raw file to verdicts, and what is made of them."""
+"""The robustness study: its design, its maps, one setting from raw file to verdicts, and their summary."""
 
 from __future__ import annotations
 
