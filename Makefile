@@ -48,7 +48,7 @@ benchmark: test-tools benchmark-tools build  ## Speed, a whole run and growth of
 	.venv/bin/python -m benchmarks
 
 test: test-tools build  ## The quick test suite.
-	.venv/bin/python -m pytest -q -n $(CORES) -m "not slow and not browser and not slurm"
+	.venv/bin/python -m pytest -q -n $(CORES) --dist loadfile -m "not slow and not browser and not slurm"
 
 test-browser: test-tools build  ## Report and explorer in headless Chromium (needs chromium and chromedriver).
 	.venv/bin/python -m pytest -q -m browser

@@ -144,6 +144,7 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
     assert done.returncode == 0, done.stdout
 
 
+@pytest.mark.slow
 def test_a_second_run_is_refused_while_the_first_goes_on_and_not_after_it_was_killed(tmp_path):
     project = Project(tmp_path / "busy")
     lock = project.folder / LOCK

@@ -104,6 +104,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return study
 
 
+@pytest.mark.slow
 def test_only_the_maps_of_the_study_are_learned_in_their_order(study: Study) -> None:
     per_seed = study.table("per_seed")
     orders = {name: "".join(dict.fromkeys(part["task"])) for name, part in per_seed.groupby("environment")}
@@ -113,6 +114,7 @@ def test_only_the_maps_of_the_study_are_learned_in_their_order(study: Study) -> 
     assert results == {"learning", "growth", "subgoal_frequencies", "steps.h5", "made.json"}
 
 
+@pytest.mark.slow
 def test_its_numbers_are_those_of_its_maps(study: Study) -> None:
     world = load_map(study.folder / "maps/long_hall.txt")
     last = study.table("per_seed").query("environment == 'long_hall' and task == 'B'")
@@ -122,6 +124,7 @@ def test_its_numbers_are_those_of_its_maps(study: Study) -> None:
     assert np.allclose(ptl["transfer_ratio"], expected, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_it_is_silent_on_the_article(study: Study) -> None:
     names = {path.name for path in (study.folder / "reports").rglob("*.*")}
     assert {"table4.html", "map_long_hall.png", "discovery_rooms.svg", "curves.csv", "growth.png", "explorer.html",
@@ -135,12 +138,14 @@ def test_it_is_silent_on_the_article(study: Study) -> None:
     assert "Verdicts" not in report and "Figure 1" not in report
 
 
+@pytest.mark.slow
 def test_a_second_run_and_verification_find_nothing_to_do(study: Study) -> None:
     assert "Nothing to be done" in study.make()
     done = study.run("ptl", "verify", "results", "reports")
     assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_a_method_from_elsewhere_came_with_its_helpers_and_is_learned_again_when_they_change(study: Study) -> None:
     for helper, method in (("methods/rates.py", "hasty"), ("agents/rates.py", "walker")):
         path = study.folder / helper

@@ -58,9 +58,7 @@ rule manifest:
         folder=str(REPORTS),
         asked=ASKED,
         codes=CODES,
-        jobs=packed(
-            job for place, job in JOBS.items() if place not in BATCHES
-        ),
+        jobs=packed(job for place, job in JOBS.items() if place not in BATCHES),
         code=code_digest("ptl.files.manifest", "ptl.files.aging"),
     message:
         "Writing the manifest of all products"
