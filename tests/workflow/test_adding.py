@@ -18,9 +18,9 @@ import pandas as pd
 from ptl.report.figures import style
 
 
-def make(job):
+def make(script):
     """Draw one dot for each seed."""
-    frame = pd.read_csv(job.input.per_seed)[["seed", "first_episode"]]
+    frame = pd.read_csv(script.input.per_seed)[["seed", "first_episode"]]
     figure = style.new_figure(6, 4)
     figure.add_subplot().plot(frame["seed"], frame["first_episode"], "o")
     return figure, frame
@@ -82,7 +82,7 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> Project:
     )  # fmt: skip
     # a measure: a definition
     put(
-        package / "study/measures.py",
+        package / "measures/measures.py",
         '    Measure("truncated",',
         '    Measure("longest", "Longest episode", "steps", "lower",\n'
         '            lambda curves: curves.steps.max(axis=1), "total", whole=True),\n',
@@ -92,8 +92,8 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> Project:
         package / "report/metric_tables.py",
         "\ndef build_tables(",
         'COLUMNS["total"] += (\n'
-        '    Column("total_steps", "Total performance", "interquartile mean", "lower", value="iqm", low="iqm_low",\n'
-        '           high="iqm_high", spread=""),\n)\n\n',
+        '    MetricColumn("total_steps", "Total performance", "interquartile mean", "lower", value="iqm", low="iqm_low",\n'
+        '                 high="iqm_high", spread=""),\n)\n\n',
     )
     # a figure: a module and a row
     (package / "report/figures/firsts.py").write_text(ADDED_FIGURE)
@@ -103,7 +103,7 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> Project:
         '        "firsts": Figure("firsts", "first episodes", "First episodes of all seeds.", needs=("per_seed",)),\n',
     )
     # a claim: a function
-    source = package / "study/claims/library.py"
+    source = package / "claims/library.py"
     source.write_text(source.read_text(encoding="utf-8") + ADDED_CLAIM, encoding="utf-8")
     project.make()
     return project
