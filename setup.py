@@ -43,7 +43,8 @@ class BuildWithWorkflow(build_py):
             for place in ("ptl/workflow", "ptl/profiles", "ptl/config", "studies"):
                 folder, target = Path(place).name, Path(self.build_lib, place)
                 shutil.rmtree(target, ignore_errors=True)
-                shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__", "tests"))
+                if Path(folder).is_dir():  # studies can be removed
+                    shutil.copytree(folder, target, ignore=shutil.ignore_patterns("__pycache__", "tests"))
 
 
 extensions = [

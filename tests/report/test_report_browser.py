@@ -58,7 +58,6 @@ def test_front_page_asks_and_answers(page):
         ("2 Figures", "map of "),
         ("3 Tables", "Table 2. Total performance and transfer ratio"),
         ("2 Figures", "steps per episode on the last task"),
-        ("5 Checks", "gain in an experiment after Fernandez and Veloso"),
     ],
 )
 def test_categories_lead_to_the_products(page, category, item):
