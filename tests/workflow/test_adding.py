@@ -92,8 +92,8 @@ def grown(tmp_path_factory: pytest.TempPathFactory) -> Project:
         package / "report/metric_tables.py",
         "\ndef build_tables(",
         'COLUMNS["total"] += (\n'
-        '    MetricColumn("total_steps", "Total performance", "interquartile mean", "lower", value="iqm", low="iqm_low",\n'
-        '                 high="iqm_high", spread=""),\n)\n\n',
+        '    MetricColumn("total_steps", "Total performance", "interquartile mean", "lower", value="iqm",\n'
+        '                 low="iqm_low", high="iqm_high", spread=""),\n)\n\n',
     )
     # a figure: a module and a row
     (package / "report/figures/firsts.py").write_text(ADDED_FIGURE)

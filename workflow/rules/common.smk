@@ -163,3 +163,41 @@ def looks(names=METHODS):
     """Label and colour of methods."""
     kinds = {name: methods.load(REFERENCES[name]) for name in names}
     return {name: [kind.label, kind.colour] for name, kind in kinds.items()}
+
+
+def batches_of(environment):
+    """Jobs of the batches of an environment."""
+    return [part for part in BATCHES.values() if part.environment == environment]
+
+
+def results_of(row):
+    """Jobs whose files a figure shows, by kind of input."""
+    jobs = {
+        "learning": learning_of(row.environments, row.methods),
+        "misleading_prior": MISLEADING,
+        "survey": {
+            place: job
+            for place, job in SURVEYS.items()
+            if job.environment in row.environments
+        },
+    }
+    return {kind: jobs[kind] for kind in row.needs if kind in jobs}
+
+
+def sources_of(row):
+    """Input files of a figure by kind, as its row asks for them."""
+    files = {
+        "maps": [MAPS[name] for name in row.environments],
+        "per_seed": rules.measure.output.per_seed,
+        "steps": rules.measure.output.steps,
+        "growth": rules.collect_growth.output[0],
+        "selection_cost": rules.library_cost.output.selection,
+        "library_bytes": rules.library_cost.output.storage,
+    }
+    files |= {kind: files_of(jobs) for kind, jobs in results_of(row).items()}
+    return {kind: files[kind] for kind in row.needs}
+
+
+def result_jobs(row):
+    """All jobs whose files a figure shows."""
+    return [job for jobs in results_of(row).values() for job in jobs.values()]

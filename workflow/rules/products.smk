@@ -55,7 +55,6 @@ rule manifest:
     conda:
         "../envs/ptl.yaml"
     params:
-        folder=str(REPORTS),
         asked=ASKED,
         codes=CODES,
         jobs=packed(job for place, job in JOBS.items() if place not in BATCHES),

@@ -21,11 +21,6 @@ rule survey_batch:
         "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
 
 
-def batches_of(environment):
-    """Jobs of the batches of an environment."""
-    return [part for part in BATCHES.values() if part.environment == environment]
-
-
 rule merge_survey:
     input:
         lambda wildcards: [

@@ -9,6 +9,7 @@ from ptl.report.script import running
 
 with running(snakemake) as script:
     params = snakemake.params
-    manifest = build(map(Path, script.input), Path(params.folder), params.asked["config"], params.asked["maps"])
+    folder = Path(script.output.manifest).parent
+    manifest = build(map(Path, script.input), folder, params.asked["config"], params.asked["maps"])
     write_text(script.output.manifest, to_json(manifest))
     write_made(script.output.made, params.asked, params.codes, script.jobs, manifest.products)
