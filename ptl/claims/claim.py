@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.reading import Reading, readings
 from ptl.claims.verdict import Part, Verdict, decide
 
 Check = Callable[[Evidence], Iterator[Part | str]]
@@ -24,12 +25,22 @@ class Claim:
     shown_in : tuple of str
         Tables and figures of the report that show it.
     check : function
+    open_to : tuple of str
+        Fields of `ptl.claims.reading.Reading` that the statement leaves open.
+    by_construction : str
+        Why the claim holds whatever is learned, if it does.
     """
 
     id: str
     statement: str
     shown_in: tuple[str, ...]
     check: Check
+    open_to: tuple[str, ...] = ()
+    by_construction: str = ""
+
+    def readings(self) -> Iterator[Reading]:
+        """Yield the readings under which the statement can be judged."""
+        yield from readings(self.open_to)
 
     def judge(self, evidence: Evidence) -> Judgement:
         """Return the verdict on the claim; it is undecided if evidence is missing."""
@@ -64,6 +75,8 @@ class Judgement:
         return decide(self.plain) if self.plain else None
 
 
-def claim(id: str, statement: str, shown_in: str) -> Callable[[Check], Claim]:
-    """Return a decorator that makes a claim of its check; ``shown_in`` names tables and figures."""
-    return lambda check: Claim(id, statement, tuple(shown_in.split()), check)
+def claim(
+    id: str, statement: str, shown_in: str, open_to: str = "", by_construction: str = ""
+) -> Callable[[Check], Claim]:
+    """Return a decorator that makes a claim of its check; ``shown_in`` and ``open_to`` are names in one text."""
+    return lambda check: Claim(id, statement, tuple(shown_in.split()), check, tuple(open_to.split()), by_construction)

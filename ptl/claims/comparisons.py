@@ -10,8 +10,9 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from ptl.claims.evidence import Evidence, MissingEvidence
+from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS, tasks_text
 from ptl.claims.thresholds import FAR, MAJORITY
-from ptl.claims.verdict import Part, above, below
+from ptl.claims.verdict import Part, above, below, not_significant
 from ptl.measures import statistics
 from ptl.measures.measures import BASE, BY_NAME, MEASURES
 from ptl.measures.statistics import Estimate, named_generator
@@ -21,11 +22,6 @@ FULL, REUSE = "full_transfer", "policy_reuse"
 PTL, SUPERVISED, UNKNOWN = "ptl", "ptl_supervised", "ptl_unknown_goal"
 VARIANTS = (PTL, SUPERVISED, UNKNOWN)
 OTHERS = (BASE, FULL, REUSE)
-
-TRANSFER_TASKS, LAST_TASK = "BCDEF", "F"
-"""Tasks with something to transfer, those of the tables; and the hardest one, that of the article's curves. A
-claim that names no task is checked on the last one, a claim on "every" measure on all of them. "PTL" alone is
-the method ``ptl``."""
 
 ARTICLE_MEASURES = ("jump_start", "asymptotic", "threshold_episode", "total_steps", "transfer_ratio")
 """The measures of the article's tables."""
@@ -81,6 +77,12 @@ def mean_share(evidence: Evidence, hits: np.ndarray, *names: str) -> Estimate:
     return statistics.mean(hits.mean(axis=1), evidence.how, named_generator(*names, "share"))
 
 
+def difference_of_shares(evidence: Evidence, hits: np.ndarray, others: np.ndarray, *names: str) -> Estimate:
+    """Return the difference of two shares of true values, both (runs, cases) of the same runs."""
+    generator = named_generator(*names, "difference of shares")
+    return statistics.mean_difference(hits.mean(axis=1), others.mean(axis=1), evidence.how, generator)
+
+
 def probability_of_being_quicker(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
     """Return the probability that a run of the method reaches the threshold sooner; never reaching it comes last."""
     own, others = (
@@ -91,10 +93,16 @@ def probability_of_being_quicker(evidence: Evidence, environment: str, task: str
     return statistics.probability_of_improvement(own, others, "lower", evidence.how, named_generator(*names))
 
 
-def episodes_to_threshold(evidence: Evidence, environment: str, task: str, method: str) -> np.ndarray:
-    """Return the time to threshold of each seed; one that never reaches it counts with all its episodes."""
-    episodes = evidence.curve(environment, method, task).shape[1]
-    return np.nan_to_num(evidence.values(environment, task, method, "threshold_episode"), nan=float(episodes))
+def episodes_to_threshold(evidence: Evidence, environment: str, tasks: str, method: str) -> np.ndarray:
+    """Return the time to threshold of each seed, the mean over tasks; never reaching it counts as all episodes."""
+    times = [
+        np.nan_to_num(
+            evidence.values(environment, task, method, "threshold_episode"),
+            nan=float(evidence.length(environment, method, task)),
+        )
+        for task in tasks
+    ]
+    return np.mean(times, axis=0)
 
 
 def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) -> Estimate:
@@ -103,77 +111,68 @@ def mean_episodes(evidence: Evidence, environment: str, task: str, method: str) 
     return statistics.mean(episodes_to_threshold(evidence, environment, task, method), evidence.how, generator)
 
 
-def times_as_many_episodes(evidence: Evidence, environment: str, task: str, method: str, other: str) -> Estimate:
+def times_as_many_episodes(evidence: Evidence, environment: str, tasks: str, method: str, other: str) -> Estimate:
     """Return the mean episodes to threshold of the other method over those of the method."""
-    own, others = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
-    own, others = (
-        np.nan_to_num(times, nan=float(evidence.curve(environment, name, task).shape[1]))
-        for times, name in ((own, method), (others, other))
-    )
-    generator = named_generator(environment, task, method, other, "times_as_many_episodes")
+    totals = []
+    for task in tasks:
+        pair = evidence.pair((environment, task, method), (environment, task, other), "threshold_episode")
+        lengths = (float(evidence.length(environment, name, task)) for name in (method, other))
+        totals.append([np.nan_to_num(times, nan=length) for times, length in zip(pair, lengths, strict=True)])
+    own, others = np.sum(totals, axis=0)
+    generator = named_generator(environment, tasks, method, other, "times_as_many_episodes")
     return statistics.ratio_of_means(others, own, evidence.how, generator)
+
+
+def jump_start(evidence: Evidence, environment: str, tasks: str, method: str) -> Estimate:
+    """Return the mean jump start, with the interval of as many runs as the reading of "not significant" has."""
+    values = evidence.values(environment, tasks, method, "jump_start")
+    if evidence.reading.runs is not None:
+        return statistics.mean_of_fewer(values, evidence.reading.runs, evidence.how)
+    return mean(evidence, environment, tasks, method, "jump_start")
 
 
 # -- parts ---------------------------------------------------------------------------------------------------
 
 
-def improves(evidence: Evidence, environment: str, task: str, method: str, measure: str) -> Part:
-    """Return the part that claims that the method improves a measure over no transfer."""
-    text = f"task {task}, {method}, {label(measure)}"
-    if BY_NAME[measure].saves:
-        in_steps = BY_NAME[measure].unit == "steps"
-        scale = level(evidence, environment, task, BASE, str(BY_NAME[measure].saves)) if in_steps else 1.0
-        estimate = mean(evidence, environment, task, method, measure)
-        return above(text, estimate, 0.0, "steps" if in_steps else "", scale)
-    if BY_NAME[measure].can_miss:
-        estimate = probability_of_being_quicker(evidence, environment, task, method, BASE)
-        return above(f"{text}, probability of being quicker", estimate, 0.5)
-    estimate = saved(evidence, environment, task, method, BASE, measure)
-    return above(f"{text}, saved", estimate, 0.0, "steps", level(evidence, environment, task, BASE, measure))
+def improves(evidence: Evidence, environment: str, tasks: str, method: str, measure: str) -> Part:
+    """Return the part that claims that the method improves a measure over no transfer.
 
-
-def improves_together(evidence: Evidence, environment: str, method: str, measure: str) -> Part:
-    """Return the part that claims that the method improves a measure, all tasks with something to transfer together.
-
-    Steps and episodes are added up over the tasks, seed by seed, before the method is compared with no transfer. A seed
-    that never reaches the threshold of one task comes last.
+    Of several tasks, steps and episodes are added up seed by seed first; a seed that never reaches the threshold of one
+    task comes last.
     """
     chosen = BY_NAME[measure]
-    metric = chosen.saves or measure
-    text = f"tasks {TRANSFER_TASKS[0]} to {TRANSFER_TASKS[-1]} together, {method}, {label(measure)}"
+    text = f"{tasks_text(tasks)}, {method}, {label(measure)}"
+    if chosen.saves:
+        in_steps = chosen.unit == "steps"
+        scale = level(evidence, environment, tasks, BASE, chosen.saves) if in_steps else 1.0
+        estimate = mean(evidence, environment, tasks, method, measure)
+        return above(text, estimate, 0.0, "steps" if in_steps else "", scale)
     if chosen.can_miss:
-        own, base = (
-            np.sum([evidence.values(environment, task, name, measure) for task in TRANSFER_TASKS], axis=0)
-            for name in (method, BASE)
-        )
-        own, base = (np.nan_to_num(episodes, nan=np.inf) for episodes in (own, base))
-        generator = named_generator(environment, "together", method, measure)
-        estimate = statistics.probability_of_improvement(own, base, "lower", evidence.how, generator)
+        estimate = probability_of_being_quicker(evidence, environment, tasks, method, BASE)
         return above(f"{text}, probability of being quicker", estimate, 0.5)
-    pairs = [evidence.pair((environment, task, method), (environment, task, BASE), metric) for task in TRANSFER_TASKS]
-    if len({len(own) for own, _ in pairs}) > 1:
-        raise MissingEvidence(f"{environment}: the tasks of method {method} have different seeds")
-    own, base = np.sum(pairs, axis=0)
-    generator = named_generator(environment, "together", method, measure)
-    if chosen.unit != "steps":
-        return above(text, statistics.ratio_of_means(base - own, base, evidence.how, generator), 0.0)
-    estimate = statistics.mean_difference(base, own, evidence.how, generator)
-    return above(f"{text}, saved", estimate, 0.0, "steps", float(base.mean()))
+    estimate = saved(evidence, environment, tasks, method, BASE, measure)
+    return above(f"{text}, saved", estimate, 0.0, "steps", level(evidence, environment, tasks, BASE, measure))
 
 
-def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, task: str = LAST_TASK) -> Part:
+def saves(evidence: Evidence, environment: str, method: str, other: str, metric: str, tasks: str) -> Part:
     """Return the part that claims that the method needs fewer steps than another by a measure."""
-    estimate = saved(evidence, environment, task, method, other, metric)
-    scale = level(evidence, environment, task, other, metric)
-    return above(f"task {task}, {label(metric)}, {other} minus {method}", estimate, 0.0, "steps", scale)
+    estimate = saved(evidence, environment, tasks, method, other, metric)
+    scale = level(evidence, environment, tasks, other, metric)
+    return above(f"{tasks_text(tasks)}, {label(metric)}, {other} minus {method}", estimate, 0.0, "steps", scale)
 
 
-def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, task: str = LAST_TASK) -> Iterator[Part]:
+def needs_fewer_episodes(evidence: Evidence, environment: str, other: str, tasks: str) -> Iterator[Part]:
     """Yield the parts that claim that PTL reaches the threshold sooner than another method, in far fewer episodes."""
-    quicker = probability_of_being_quicker(evidence, environment, task, PTL, other)
-    yield above(f"task {task}, probability that {PTL} is quicker than {other}", quicker, 0.5)
-    times = times_as_many_episodes(evidence, environment, task, PTL, other)
-    yield above(f"task {task}, episodes of {other} over those of {PTL}", times, FAR, "times")
+    quicker = probability_of_being_quicker(evidence, environment, tasks, PTL, other)
+    yield above(f"{tasks_text(tasks)}, probability that {PTL} is quicker than {other}", quicker, 0.5)
+    times = times_as_many_episodes(evidence, environment, tasks, PTL, other)
+    yield above(f"{tasks_text(tasks)}, episodes of {other} over those of {PTL}", times, FAR, "times")
+
+
+def jump_start_not_significant(evidence: Evidence, environment: str, tasks: str, method: str) -> Part:
+    """Return the part that denies a significant jump start, by the runs of which the reading speaks."""
+    text = f"{tasks_text(tasks)}, {method}, jump start"
+    return not_significant(text, jump_start(evidence, environment, tasks, method), "steps")
 
 
 def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
@@ -181,7 +180,7 @@ def mostly(evidence: Evidence, text: str, hits: np.ndarray) -> Part:
     return above(f"{text}, share of runs", share(evidence, hits), MAJORITY)
 
 
-def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str = LAST_TASK) -> Part:
+def fewer_than(evidence: Evidence, environment: str, method: str, bound: float, task: str) -> Part:
     """Return the part that claims that the method reaches the threshold within some episodes."""
     episodes = mean_episodes(evidence, environment, task, method)
     return below(f"task {task}, {method}, episodes to the threshold", episodes, bound, "episodes")
@@ -210,7 +209,7 @@ def elsewhere(
         yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(texts)}"
 
 
-def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str = LAST_TASK) -> Iterator[str]:
+def never_reached(evidence: Evidence, environment: str, methods: Iterable[str], task: str) -> Iterator[str]:
     """Note the number of seeds that never reach the threshold and so enter means with the length of the task."""
     texts = []
     for method in methods:

@@ -52,7 +52,7 @@ def below_all_others(evidence: Evidence) -> Iterator[Part | str]:
                 scale = float(their_blocks[:, index].mean())
                 text = f"{environment}, episodes {first}-{last}, {other} minus ptl"
                 yield above(text, estimate, 0.0, "steps", scale)
-            whole = c.saves(evidence, environment, c.PTL, other, "total_steps")
+            whole = c.saves(evidence, environment, c.PTL, other, "total_steps", c.LAST_TASK)
             yield in_plain_reading(replace(whole, text=f"{environment}, all episodes, {other} minus {c.PTL}"))
             below = int((theirs.mean(axis=0) > own.mean(axis=0)).sum())
             yield f"{environment}: the mean is below that of {other} in {below} of {own.shape[1]} episodes"

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ptl.claims.reading import DEFAULT, Reading
 from ptl.measures.exact import first_episode_without_transfer
 from ptl.measures.measures import BASE, BY_NAME, PER_SEED, Names
 from ptl.measures.statistics import Resampling
@@ -51,6 +52,10 @@ class Evidence:
         As in `ptl.measures.library_cost`.
     exact : bool
         Compare first episodes with the exact expectation of those without transfer instead of their mean.
+    reading : Reading
+        How claims read the article's words.
+    episodes : int, optional
+        Episodes of a task, if there are no ``steps`` to tell.
     """
 
     per_seed: pd.DataFrame
@@ -64,11 +69,16 @@ class Evidence:
     selection_cost: pd.DataFrame | None = None
     library_bytes: pd.DataFrame | None = None
     exact: bool = False
+    reading: Reading = DEFAULT
+    episodes: int | None = None
 
     # -- measures ------------------------------------------------------------------------------------------
 
     def values(self, environment: str, task: str, method: str, metric: str) -> np.ndarray:
-        """Return a measure of every seed in ascending order, float array (seeds,); NaN: never reached."""
+        """Return a measure of every seed in ascending order, float array (seeds,); NaN: never reached.
+
+        Several tasks, "BCDEF", are added up seed by seed; the transfer ratio is that of their totals.
+        """
         return self._series(environment, task, method, metric).to_numpy()
 
     def pair(
@@ -88,6 +98,8 @@ class Evidence:
 
     def _frame(self, environment: str, task: str, method: str) -> pd.DataFrame:
         frame = self._frames.get((environment, task, method))
+        if frame is None and len(task) > 1:
+            frame = self._frames[environment, task, method] = self._sum(environment, task, method)
         if frame is None:
             if environment not in {e for e, _, _ in self._frames}:
                 raise MissingEvidence(f"environment {environment} is not in this run")
@@ -96,6 +108,16 @@ class Evidence:
             raise MissingEvidence(f"{environment}: task {task} of method {method} is not in this run")
         _check_number(len(frame), f"{environment} {task} {method}")
         return frame
+
+    def _sum(self, environment: str, tasks: str, method: str) -> pd.DataFrame:
+        frames = [self._frame(environment, task, method) for task in tasks]
+        if any(not frame.index.equals(frames[0].index) for frame in frames):
+            raise MissingEvidence(f"{environment}: the tasks of method {method} have different seeds")
+        total = sum(frames[1:], start=frames[0])
+        if method != BASE and not total["transfer_ratio"].isna().any():
+            base = self._frame(environment, tasks, BASE)["total_steps"].reindex(total.index)
+            total["transfer_ratio"] = (base - total["total_steps"]) / base
+        return total
 
     @cached_property
     def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
@@ -134,6 +156,10 @@ class Evidence:
         if self.steps is None or (environment, method, task) not in self.steps:
             raise MissingEvidence(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
         return self.steps[environment, method, task]
+
+    def length(self, environment: str, method: str, task: str) -> int:
+        """Return the number of episodes of a task."""
+        return self.episodes or self.curve(environment, method, task).shape[1]
 
     def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""

@@ -61,6 +61,7 @@ def growth(evidence: Evidence) -> Iterator[Part | str]:
     "selection-cost",
     "Skill selection is one loop over the skills: its cost grows no faster than the library.",
     shown_in="library_cost",
+    by_construction="the loop whose operations are counted is ours",
 )
 def selection_cost(evidence: Evidence) -> Iterator[Part | str]:
     """Fit a power law to the operations counted in the upper half of the sizes.
@@ -82,7 +83,12 @@ def selection_cost(evidence: Evidence) -> Iterator[Part | str]:
     )
 
 
-@claim("space", "The size of the library is bounded by states times states.", shown_in="library_cost")
+@claim(
+    "space",
+    "The size of the library is bounded by states times states.",
+    shown_in="library_cost",
+    by_construction="a library has at most one skill for each state",
+)
 def space(evidence: Evidence) -> Iterator[Part | str]:
     """Count the skills of every library, those that share a subgoal, and stored bytes; there is no interval."""
     stored = evidence.needed("subgoals")

@@ -5,6 +5,7 @@ One word has one meaning in all claims; the ledger prints this list.
 
 from __future__ import annotations
 
+from ptl.claims.reading import DEFAULT
 from ptl.text import number, percent
 
 MAJORITY = 0.5
@@ -29,9 +30,6 @@ mean first episode over 30 runs (18%)."""
 SPIKE = 10.0
 """A spike: this many times the median of the episodes before, a whole unit on the log scale of figure 12."""
 
-AT = 1
-"""Steps from a doorway that still count as on it: its two neighbours funnel the same paths."""
-
 LINEAR_EXPONENT = 1.1
 """Linear cost: a power of the size no higher than this; n log n over our sizes would show about 1.15."""
 
@@ -54,7 +52,7 @@ MEANINGS = (
     ),
     ("one curve below another", "in every block of as many episodes as measures.window"),
     ("about seven tasks", "as many as growth.breakpoint"),
-    ("on a doorway", f"at most {AT} step from a free cell between two opposite walls"),
+    ("on a doorway", f"at most {DEFAULT.tolerance} step from a free cell between two opposite walls"),
     ("one loop", f"cost grows with a power of the number of skills of at most {number(LINEAR_EXPONENT)}"),
 )
 """Word and meaning, for readers."""

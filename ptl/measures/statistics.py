@@ -73,7 +73,7 @@ class Resampling:
     confidence : float
         Level of every interval, between 0 and 1.
     resamples : int
-        Number of bootstrap resamples.
+        Number of bootstrap resamples; with 0 every interval is its estimate, as if the runs were all there are.
     """
 
     confidence: float
@@ -82,8 +82,8 @@ class Resampling:
     def __post_init__(self) -> None:
         if not 0 < self.confidence < 1:
             raise UserError(f"statistics.confidence: {self.confidence} is not between 0 and 1; use e.g. 0.95")
-        if self.resamples < 1:
-            raise UserError(f"statistics.resamples: {self.resamples} is not positive; use e.g. 2000")
+        if self.resamples < 0:
+            raise UserError(f"statistics.resamples: {self.resamples} is negative; use e.g. 2000")
 
 
 def named_generator(*names: object) -> np.random.Generator:
@@ -98,6 +98,13 @@ def named_generator(*names: object) -> np.random.Generator:
 def mean(values: np.ndarray, how: Resampling, generator: np.random.Generator) -> Estimate:
     """Return the mean of the values (n,) with its bootstrap interval."""
     return _bootstrap(_mean, (values,), how, generator)
+
+
+def mean_of_fewer(values: np.ndarray, runs: int, how: Resampling) -> Estimate:
+    """Return the mean of the values (n,) with Student's interval of a mean over ``runs`` of them."""
+    middle = float(np.mean(values))
+    reach = stats.t.ppf((1 + how.confidence) / 2, runs - 1) * float(np.std(values, ddof=1)) / np.sqrt(runs)
+    return Estimate(middle, middle - reach, middle + reach)
 
 
 def interquartile_mean(values: np.ndarray, how: Resampling, generator: np.random.Generator) -> Estimate:
@@ -152,6 +159,8 @@ def share(count: int, total: int, how: Resampling) -> Estimate:
     """Return ``count / total`` with its Wilson interval."""
     if total == 0:
         return UNDEFINED
+    if not how.resamples:
+        return exactly(count / total)
     if total < MIN_FOR_INTERVAL:
         return Estimate(count / total, np.nan, np.nan)
     interval = stats.binomtest(count, total).proportion_ci(how.confidence, method="wilson")
@@ -204,6 +213,8 @@ def _bootstrap(
     if smallest == 0:
         return UNDEFINED
     value = float(statistic(*samples))
+    if not how.resamples:
+        return exactly(value)
     if smallest < MIN_FOR_INTERVAL:
         return Estimate(value, np.nan, np.nan)
     if all(np.all(sample == sample[0]) for sample in samples):

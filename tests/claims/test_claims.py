@@ -25,9 +25,10 @@ from made_up_run import (
 from projects import FIRST_MAPS
 
 from ptl import claims
-from ptl.claims import places, thresholds
+from ptl.claims import places
 from ptl.claims.evidence import Evidence, MissingEvidence, settings_of
 from ptl.claims.evidence_files import read_evidence
+from ptl.claims.reading import DEFAULT
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
 from ptl.measures.run_files import write_steps
@@ -435,7 +436,7 @@ def test_rooms_and_their_doors(env2):
 
 
 def test_one_step_from_a_doorway_counts_as_on_it(env1):
-    near = np.flatnonzero(places.near(env1, places.doorways(env1), thresholds.AT))
+    near = np.flatnonzero(places.near(env1, places.doorways(env1), DEFAULT.tolerance))
     assert cells(env1, near) == [(6, 11 * level + step) for level in range(1, 7) for step in (-1, 0, 1)]
 
 

@@ -206,7 +206,7 @@ def test_share_has_the_wilson_interval():
     assert (found.value, found.low, found.high) == pytest.approx((0.6, centre - half, centre + half), abs=1e-6)
 
 
-@pytest.mark.parametrize(("confidence", "resamples"), [(0, 10), (1, 10), (95, 10), (0.95, 0)])
+@pytest.mark.parametrize(("confidence", "resamples"), [(0, 10), (1, 10), (95, 10), (0.95, -1)])
 def test_impossible_settings_are_refused(confidence, resamples):
     with pytest.raises(UserError, match=r"statistics\."):
         Resampling(confidence, resamples)
