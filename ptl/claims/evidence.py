@@ -7,9 +7,9 @@ code. Anything absent, or from too few seeds, raises `MissingEvidence`, which ma
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,6 +26,21 @@ MIN_SEEDS = 10
 
 class MissingEvidence(Exception):
     """Results that a claim needs are missing from the run; the message names them."""
+
+
+class Table(NamedTuple):
+    """Runs of one method on one task, or on several added up.
+
+    Attributes
+    ----------
+    seeds : int array (seeds,)
+        In ascending order.
+    values : dict of float arrays (seeds,)
+        Measures by name.
+    """
+
+    seeds: np.ndarray
+    values: dict[str, np.ndarray]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +87,14 @@ class Evidence:
     reading: Reading = DEFAULT
     episodes: int | None = None
 
+    def under(self, reading: Reading) -> Evidence:
+        """Return the same results under another reading; tables that do not depend on it are shared."""
+        other = replace(self, reading=reading)
+        other.__dict__["_tables"] = self._tables
+        if self.subgoals is not None:
+            other.__dict__["_subgoal_frames"] = self._subgoal_frames
+        return other
+
     # -- measures ------------------------------------------------------------------------------------------
 
     def values(self, environment: str, task: str, method: str, metric: str) -> np.ndarray:
@@ -79,59 +102,66 @@ class Evidence:
 
         Several tasks, "BCDEF", are added up seed by seed; the transfer ratio is that of their totals.
         """
-        return self._series(environment, task, method, metric).to_numpy()
+        values = self._table(environment, task, method).values[metric]
+        if BY_NAME[metric].saves and np.isnan(values).any():
+            raise MissingEvidence(f"{environment}: method {BASE}, the base of {metric}, is not in this run")
+        return values
 
     def pair(
         self, first: tuple[str, str, str], second: tuple[str, str, str], metric: str
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return a measure of two (environment, task, method) at the seeds that both have, two arrays (seeds,)."""
-        one, other = self._series(*first, metric), self._series(*second, metric)
-        common = one.index.intersection(other.index)
+        one, other = self.values(*first, metric), self.values(*second, metric)
+        ours, theirs = self._table(*first).seeds, self._table(*second).seeds
+        if np.array_equal(ours, theirs):
+            return one, other
+        common = np.intersect1d(ours, theirs)
         _check_number(len(common), f"{' '.join(first)} and {' '.join(second)}")
-        return one[common].to_numpy(), other[common].to_numpy()
+        return one[np.isin(ours, common)], other[np.isin(theirs, common)]
 
-    def _series(self, environment: str, task: str, method: str, metric: str) -> pd.Series:
-        series = self._frame(environment, task, method)[metric]
-        if BY_NAME[metric].saves and series.isna().any():
-            raise MissingEvidence(f"{environment}: method {BASE}, the base of {metric}, is not in this run")
-        return series
-
-    def _frame(self, environment: str, task: str, method: str) -> pd.DataFrame:
-        frame = self._frames.get((environment, task, method))
-        if frame is None and len(task) > 1:
-            frame = self._frames[environment, task, method] = self._sum(environment, task, method)
-        if frame is None:
-            if environment not in {e for e, _, _ in self._frames}:
+    def _table(self, environment: str, task: str, method: str) -> Table:
+        table = self._tables.get((environment, task, method))
+        if table is None and len(task) > 1:
+            table = self._tables[environment, task, method] = self._sum(environment, task, method)
+        if table is None:
+            if environment not in {e for e, _, _ in self._tables}:
                 raise MissingEvidence(f"environment {environment} is not in this run")
-            if (environment, method) not in {(e, m) for e, _, m in self._frames}:
+            if (environment, method) not in {(e, m) for e, _, m in self._tables}:
                 raise MissingEvidence(f"{environment}: method {method} is not in this run")
             raise MissingEvidence(f"{environment}: task {task} of method {method} is not in this run")
-        _check_number(len(frame), f"{environment} {task} {method}")
-        return frame
+        _check_number(len(table.seeds), f"{environment} {task} {method}")
+        return table
 
-    def _sum(self, environment: str, tasks: str, method: str) -> pd.DataFrame:
-        frames = [self._frame(environment, task, method) for task in tasks]
-        if any(not frame.index.equals(frames[0].index) for frame in frames):
+    def _sum(self, environment: str, tasks: str, method: str) -> Table:
+        tables = [self._table(environment, task, method) for task in tasks]
+        seeds = tables[0].seeds
+        if any(not np.array_equal(table.seeds, seeds) for table in tables):
             raise MissingEvidence(f"{environment}: the tasks of method {method} have different seeds")
-        total = sum(frames[1:], start=frames[0])
-        if method != BASE and not total["transfer_ratio"].isna().any():
-            base = self._frame(environment, tasks, BASE)["total_steps"].reindex(total.index)
-            total["transfer_ratio"] = (base - total["total_steps"]) / base
-        return total
+        values = {name: np.sum([table.values[name] for table in tables], axis=0) for name in tables[0].values}
+        if method != BASE and not np.isnan(values["transfer_ratio"]).any():
+            base = self._table(environment, tasks, BASE)
+            own, theirs = values["total_steps"], base.values["total_steps"][np.searchsorted(base.seeds, seeds)]
+            values["transfer_ratio"] = (theirs - own) / theirs
+        return Table(seeds, values)
 
     @cached_property
-    def _frames(self) -> dict[tuple[str, str, str], pd.DataFrame]:
-        columns = [measure.name for measure in PER_SEED]
-        frames = {}
-        for (environment, task, method), part in self.per_seed.groupby(["environment", "task", "method"]):
-            frame = part.set_index("seed")[columns].astype(float).sort_index()
+    def _tables(self) -> dict[tuple[str, str, str], Table]:
+        columns = {
+            measure.name: self.per_seed[measure.name].to_numpy(dtype=float, na_value=np.nan) for measure in PER_SEED
+        }
+        seeds = self.per_seed["seed"].to_numpy()
+        tables = {}
+        for names, rows in self.per_seed.groupby(["environment", "task", "method"]).indices.items():
+            environment, task, method = map(str, names)
+            rows = rows[np.argsort(seeds[rows], kind="stable")]
+            values = {name: column[rows] for name, column in columns.items()}
             if self.exact and environment in self.worlds:
-                expected = self._expected_first(str(environment), str(task))
+                expected = self._expected_first(environment, task)
                 if method == BASE:
-                    frame["first_episode"] = expected
-                frame["jump_start"] = expected - frame["first_episode"]
-            frames[str(environment), str(task), str(method)] = frame
-        return frames
+                    values["first_episode"] = np.full(len(rows), expected)
+                values["jump_start"] = expected - values["first_episode"]
+            tables[environment, task, method] = Table(seeds[rows], values)
+        return tables
 
     def _expected_first(self, environment: str, task: str) -> float:
         world = self.worlds[environment]
@@ -152,7 +182,7 @@ class Evidence:
 
     def curve(self, environment: str, method: str, task: str) -> np.ndarray:
         """Return the steps per episode, int array (seeds, episodes)."""
-        self._frame(environment, task, method)
+        self._table(environment, task, method)
         if self.steps is None or (environment, method, task) not in self.steps:
             raise MissingEvidence(f"{environment}: steps per episode of {method}, task {task}, are not in this run")
         return self.steps[environment, method, task]
@@ -164,10 +194,10 @@ class Evidence:
     def curves(self, environment: str, methods: tuple[str, str], task: str) -> tuple[np.ndarray, np.ndarray]:
         """Return the steps per episode of two methods at the seeds that both have, two int arrays (seeds, episodes)."""
         curves = [self.curve(environment, method, task) for method in methods]
-        seeds = [self._frame(environment, task, method).index for method in methods]
-        common = seeds[0].intersection(seeds[1])
+        seeds = [self._table(environment, task, method).seeds for method in methods]
+        common = np.intersect1d(seeds[0], seeds[1])
         _check_number(len(common), f"{environment} {task} {' and '.join(methods)}")
-        one, other = (curve[own.isin(common)] for curve, own in zip(curves, seeds, strict=True))
+        one, other = (curve[np.isin(own, common)] for curve, own in zip(curves, seeds, strict=True))
         if one.shape != other.shape:
             raise MissingEvidence(f"{environment}: {' and '.join(methods)} have different numbers of episodes")
         return one, other
