@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import os
+import zlib
 from typing import TYPE_CHECKING, Any
 
 from ptl.errors import UserError
 from ptl.files import regular
-from ptl.files.atomic import write_text
+from ptl.files.atomic import atomic_path, write_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,8 +20,16 @@ SIGNIFICANT_DIGITS = 6
 
 
 def write_csv(frame: pd.DataFrame, path: str | os.PathLike[str]) -> None:
-    """Write a data frame as CSV, numbers with six significant digits, missing values as empty cells."""
-    write_text(path, frame.to_csv(index=False, float_format=format_number, lineterminator="\n"))
+    """Write a data frame as CSV, numbers with six significant digits, missing values as empty cells.
+
+    A name that ends in ``.gz`` gives a compressed file, without the time at which it was made.
+    """
+    text = frame.to_csv(index=False, float_format=format_number, lineterminator="\n")
+    if str(path).endswith(".gz"):
+        with atomic_path(path) as temporary:
+            temporary.write_bytes(gzip.compress(text.encode(), mtime=0))
+    else:
+        write_text(path, text)
 
 
 def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
@@ -33,10 +43,13 @@ def read_csv(path: str | os.PathLike[str], **options: Any) -> pd.DataFrame:
     import pandas as pd
 
     try:
-        return pd.read_csv(io.BytesIO(regular.read_bytes(path, regular.MAX_BYTES)), **options)
+        content = regular.read_bytes(path, regular.MAX_BYTES)
+        return pd.read_csv(io.BytesIO(gzip.decompress(content) if str(path).endswith(".gz") else content), **options)
     except regular.NotReadable as error:
         remedy = "run the workflow to make it, or check the path" if error.missing else "check the path"
         raise UserError(f"{path}: cannot be read as CSV ({error.reason}); {remedy}") from error
+    except (EOFError, gzip.BadGzipFile, zlib.error) as error:
+        raise UserError(f"{path}: cannot be decompressed ({error}); make it again") from error
     except ValueError as error:  # pandas' own errors are ValueErrors
         raise UserError(f"{path}: cannot be read as CSV ({error}); remove it and run the workflow again") from error
 

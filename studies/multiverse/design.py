@@ -139,11 +139,14 @@ class Multiverse(Group, frozen=True, kw_only=True):
         key("Files of the maps of named settings, by a name that no environment has."),
     ] = {}  # noqa: RUF012 (msgspec copies it)
     named_seeds: Annotated[int, key("Learning runs of each method in a named setting.", ge=1, le=10**5)]
+    replicates: Annotated[int, key("Samples of 30 runs drawn from the reference.", ge=1, le=10**5)]
     named: Annotated[dict[Annotated[str, key("", **METHOD)], Named], key("Settings that are not drawn, by name.")]
     unknowns: Annotated[dict[Annotated[str, key("", **UNKNOWN)], Unknown], key("Unknowns by their keys.")]
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if "reference" not in self.named:
+            raise ConfigurationError("named", "has no setting named reference; give one")
         for name, unknown in self.unknowns.items():
             check_text(f"unknowns.{name}.symbol", unknown.symbol)
             ends = unknown.options or unknown.range or ()

@@ -38,6 +38,9 @@ NOT_JUDGED = {
 JUDGED: tuple[Claim, ...] = tuple(claim for claim in claims.CLAIMS if claim.id not in NOT_JUDGED)
 
 STRICT, PLAIN = "strict", "plain"
+LIMIT = "limit"
+"""How tables name a reading of "not significant" by as many runs as there are."""
+
 VERDICT_COLUMNS = ("setting", "claim", "words", "tasks", "tolerance", "runs", "holds", "parts", "parts_holding")
 ESTIMATE_COLUMNS = ("setting", "environment", "tasks", "method", "measure", "mean", "sd", "seeds")
 
@@ -158,7 +161,8 @@ def verdict_rows(name: str, evidence: Evidence) -> Iterator[tuple[object, ...]]:
         for words, parts in ((STRICT, judgement.parts), (PLAIN, judgement.plain)):
             if words == PLAIN and not parts:
                 continue
-            yield (name, claim.id, words, *reading, holds(parts), len(parts), _held(parts))
+            runs = LIMIT if reading.runs is None else str(reading.runs)
+            yield name, claim.id, words, reading.tasks, reading.tolerance, runs, holds(parts), len(parts), _held(parts)
 
 
 def holds(parts: tuple[Part, ...]) -> float:

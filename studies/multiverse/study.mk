@@ -1,0 +1,9 @@
+# The multiverse, included by the Makefile.
+
+SNAKEFILES += studies/multiverse/Snakefile
+
+.PHONY: multiverse
+
+multiverse: build  ## Draw all that the article leaves open: reports/multiverse/ (25 minutes).
+	$(SNAKEMAKE) --snakefile studies/multiverse/Snakefile
+	@.venv/bin/ptl verify reports/multiverse --against published --exit-zero
