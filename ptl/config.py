@@ -131,7 +131,7 @@ class FullTransfer(Group, frozen=True, kw_only=True):
         key(
             "What a task starts from: the last task's Q, the mean of the Q of all earlier tasks, or equal small values"
             " for the last task's greedy actions.",
-            CHOSEN,
+            STATED,
         ),
     ] = "latest"
 

@@ -16,13 +16,11 @@ LEAST = 1e-100
 
 
 class Method(BaseMethod):
-    """Epsilon-greedy Q-learning from what was learned before.
+    """Epsilon-greedy Q-learning from what was learned before, ``full_transfer.hands_over``.
 
-    That all of it is handed over is stated by the article; how is our choice, ``full_transfer.hands_over``:
-
-    ``latest``  the final Q of the previous task, as Barrett, Taylor and Stone (2010) start from the latest one;
-    ``mean``    the mean of the final Q of all earlier tasks;
-    ``policy``  of the final Q of the previous task its greedy actions alone, with equal values.
+    ``latest``  the final Q of the previous task (stated by the article; so Barrett, Taylor and Stone, 2010);
+    ``mean``    the mean of the final Q of all earlier tasks (our choice);
+    ``policy``  of the final Q of the previous task its greedy actions alone, with equal values (our choice).
     """
 
     label = "Full transfer"
@@ -51,7 +49,7 @@ class Method(BaseMethod):
                 self._handed_over = self.faint_values(greedy_policy(q))
 
     def faint_values(self, policy: np.ndarray) -> np.ndarray:
-        """Return equal values for a policy's actions, below those of any goal that can be reached."""
+        """Return equal values for a policy's actions, those of a goal as many steps away as there are states."""
         states = np.flatnonzero(policy >= 0)
         q = np.zeros((len(policy), 4))
         # updates only make them smaller before the goal is found, so they start far above the least double
