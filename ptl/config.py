@@ -72,8 +72,12 @@ class Skills(Group, frozen=True, kw_only=True):
         float, key("Factor on the patience at every further draw in an episode.", CHOSEN, ge=1, le=1000)
     ] = 2.0
     skill_use: Annotated[
-        Literal["reselect", "lead_in"],
-        key("Draw again when patience runs out, or draw once and then explore without limit.", CHOSEN),
+        Literal["reselect", "lead_in", "initiation_set", "mixing", "initial_values"],
+        key(
+            "What a drawn skill does: lead, with another draw when patience runs out; lead once; lead again in its"
+            " initiation set as well; be mixed into the agent's own policy; or give Q the values that it starts from.",
+            CHOSEN,
+        ),
     ] = "reselect"
     null_skill: Annotated[
         bool, key('Whether "no guidance" stays a candidate once the library holds a skill.', CHOSEN)
@@ -119,6 +123,19 @@ class PolicyReuse(Group, frozen=True, kw_only=True):
     ] = "new_policy"
 
 
+class FullTransfer(Group, frozen=True, kw_only=True):
+    """Full transfer."""
+
+    hands_over: Annotated[
+        Literal["latest", "mean", "policy"],
+        key(
+            "What a task starts from: the last task's Q, the mean of the Q of all earlier tasks, or equal small values"
+            " for the last task's greedy actions.",
+            STATED,
+        ),
+    ] = "latest"
+
+
 class Parameters(Group, frozen=True, kw_only=True):
     """All hyper-parameters of learning: what a method depends on."""
 
@@ -126,6 +143,7 @@ class Parameters(Group, frozen=True, kw_only=True):
     skills: Skills = Skills()
     subgoals: Subgoals = Subgoals()
     policy_reuse: PolicyReuse = PolicyReuse()
+    full_transfer: FullTransfer = FullTransfer()
 
     @classmethod
     def from_json(cls, text: str) -> Self:

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import shortest_path
@@ -107,3 +109,68 @@ def distances_over(successors: np.ndarray, known: np.ndarray, target: int, *, bo
     graph = csr_array((np.ones(len(states)), (states, successors[states, actions])), shape=(n, n))
     steps = shortest_path(graph.T, unweighted=True, directed=not both_ways, indices=target)
     return np.where(np.isinf(steps), -1, steps).astype(int)
+
+
+def hitting_times(successors: np.ndarray, goal: int) -> np.ndarray:
+    """Mean steps of the uniform random walk from every state to a goal that all of them reach, (n,)."""
+    others = np.flatnonzero(np.arange(len(successors)) != goal)
+    times = np.zeros(len(successors))
+    matrix = transition_matrix(successors)[np.ix_(others, others)]
+    times[others] = np.linalg.solve(np.eye(len(others)) - matrix, np.ones(len(others)))
+    return times
+
+
+def led_hitting_time(
+    successors: np.ndarray, start: int, goal: int, policy: np.ndarray, subgoal: int, initiation: np.ndarray
+) -> float:
+    """Mean steps from start to goal of a uniform walk that is carried to a subgoal from its initiation set.
+
+    It is carried from the start first, and later from each state of the set at its first visit while walking.  With U
+    the set's states that have carried it, the times h_U solve (I - P) h_U = 1 on the states where it walks; where it
+    is carried k steps to s', h_U(s) = k + h_{U + s}(s').
+    """
+    n_states = len(successors)
+    transitions = transition_matrix(successors)
+
+    def carried(state: int) -> tuple[int, int]:
+        steps = 0
+        while state not in (subgoal, goal) and policy[state] >= 0:
+            state, steps = int(successors[state, policy[state]]), steps + 1
+        return state, steps
+
+    @cache
+    def times(used: frozenset[int]) -> np.ndarray:
+        system, right = np.eye(n_states) - transitions, np.ones(n_states)
+        fixed = {goal: 0.0}
+        for state in set(np.flatnonzero(initiation).tolist()) - used - {goal}:
+            end, steps = carried(state)
+            fixed[state] = steps + times(used | {state})[end]
+        for state, time in fixed.items():
+            system[state], right[state] = np.eye(n_states)[state], time
+        return np.linalg.solve(system, right)
+
+    end, steps = carried(start)
+    return float(steps + times(frozenset())[end])
+
+
+def mixed_hitting_time(
+    successors: np.ndarray, start: int, goal: int, policy: np.ndarray, subgoal: int, psi: float, decay: float
+) -> float:
+    """Mean steps from start to goal of a uniform walk in which step h follows a policy with probability psi decay**h.
+
+    The policy is left for good at its subgoal.
+    """
+    n_states = len(successors)
+    transitions, walking = transition_matrix(successors), hitting_times(successors, goal)
+    followed = transitions.copy()
+    followed[policy >= 0] = np.eye(n_states)[successors[np.arange(n_states), policy][policy >= 0]]
+    present = np.eye(n_states)[start]
+    expected = 0.0
+    while psi > 1e-12 and present.any():
+        for end in (goal, subgoal):
+            expected += present[end] * walking[end]
+            present[end] = 0.0
+        expected += present.sum()
+        present = present @ (psi * followed + (1 - psi) * transitions)
+        psi *= decay
+    return float(expected + present @ walking)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,7 +24,7 @@ class Skill:
     learned_after : int
         Index of the task after which it was added, counted from 0.
     initiation : bool array, shape (n_states,), or None
-        Initiation set, see `ptl.agent.plan.Leader`.
+        Initiation set, see `states_before` and `ptl.agent.plan.Leader`; None if the library keeps no such sets.
     """
 
     subgoal: int
@@ -52,11 +53,14 @@ class SkillLibrary:
         theta: minimum value of the greatest incremental metric.
     finder : function
         Scores the states, see `ptl.agent.finders`.
+    initiation_sets : bool
+        Whether its skills have initiation sets.
     """
 
     novelty: float = 0.2
     threshold: float = 0.2
     finder: Finder = incremental
+    initiation_sets: bool = False
     skills: list[Skill] = field(default_factory=list)
 
     def __len__(self) -> int:
@@ -103,8 +107,22 @@ class SkillLibrary:
         candidate = int(self.finder(discovery, graph, self.subgoals).argmax())
         if candidate in self.subgoals:
             return Update(-1, "the subgoal is in the library already")
-        self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index))
+        initiation = states_before(candidate, discovery.paths, graph.n_states) if self.initiation_sets else None
+        self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index, initiation))
         return Update(candidate, "added")
+
+
+def states_before(subgoal: int, paths: Iterable[np.ndarray], n_states: int) -> np.ndarray:
+    """Return the initiation set of a skill, bool (n_states,): the states before its subgoal on some path.
+
+    That a skill can be taken where a path that led through its subgoal came from is the notion of McGovern and Barto
+    (2001); that the paths are the loop-erased ones of the task that taught the skill is our choice.
+    """
+    before = np.zeros(n_states, dtype=bool)
+    for path in paths:
+        places = np.flatnonzero(path == subgoal)
+        before[path[: places[0] if len(places) else 0]] = True
+    return before
 
 
 def _way(skill: Skill, start: int, successors: np.ndarray) -> list[int]:

@@ -24,7 +24,7 @@ class Grow(Job, frozen=True, kw_only=True, tag="growth/2"):
     seed: Annotated[Number, Meta(description="number of the life")]
 
     TITLE = "Growth files"
-    READS = ("learning", "skills", "subgoals")
+    READS = ("learning", "skills", "subgoals", "policy_reuse")
     ARRAYS = {  # noqa: RUF012
         "starts": Array("int32", ("t",), "start of each task", 0, "n-1"),
         "goals": Array("int32", ("t",), "goal of each task", 0, "n-1"),

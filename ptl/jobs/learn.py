@@ -18,12 +18,14 @@ from ptl.files.store import Result
 from ptl.learning.life import TaskRecord, learn_life, tasks_of
 from ptl.world.gridworld import GridWorld
 
+INITIATION = "initiation/sets"  # in a group of its own, because the arrays of a group are all present or all absent
 LIBRARY = {
     "library/subgoals": Array("int32", ("k",), "state that each skill leads to", 0, "n-1", True),
     "library/policies": Array(
         "int8", ("k", "n"), "action of each skill in each state, −1 where undefined", -1, 3, True
     ),
     "library/learned_after": Array("int32", ("k",), "index of the task after which it was added", 0, None, True),
+    INITIATION: Array("bool", ("k", "n"), "initiation set of each skill, only if skills have such sets", optional=True),
 }
 """The library after the last task, k skills; only of methods that keep one."""
 
@@ -42,7 +44,7 @@ class Learn(Job, frozen=True, kw_only=True, tag="learning/2"):
     seed: Annotated[Number, Meta(description="number of the seed")]
 
     TITLE = "Learning files"
-    READS = ("learning", "skills", "subgoals", "policy_reuse")
+    READS = ("learning", "skills", "subgoals", "policy_reuse", "full_transfer")
     ARRAYS = {  # noqa: RUF012
         "tasks/<task>/start": Array("int64", (), "state where episodes begin", 0, "n-1"),
         "tasks/<task>/goal": Array("int64", (), "state where they end", 0, "n-1"),
@@ -131,7 +133,9 @@ def library_arrays(library: SkillLibrary | None, n_states: int) -> dict[str, np.
         return {}
     # The skills and not `library.subgoals`: a library that makes its policies when they are drawn has none to store.
     skills = library.skills
-    return {
+    sets = [np.zeros(n_states) if skill.initiation is None else skill.initiation for skill in skills]
+    some = any(skill.initiation is not None for skill in skills)
+    return ({INITIATION: np.array(sets, dtype=bool)} if some else {}) | {
         "library/subgoals": np.array([skill.subgoal for skill in skills], dtype=np.int32),
         "library/policies": np.array([skill.policy for skill in skills], dtype=np.int8).reshape(-1, n_states),
         "library/learned_after": np.array([skill.learned_after for skill in skills], dtype=np.int32),
@@ -142,6 +146,9 @@ def library_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: in
     """Yield the impossible values in the arrays `LIBRARY`, if these exist."""
     if (arrays.get("library/learned_after", np.zeros(1)) >= tasks).any():
         yield "its library has a skill of a task that is not there"
+    if INITIATION in arrays and len(arrays[INITIATION]) != len(arrays.get("library/subgoals", ())):
+        yield "its library has not one initiation set for each skill"
+        return
     for skill in skills_of(arrays) or []:
         if not leads_to_subgoal(skill, world.successors):
             yield f"skill of state {skill.subgoal}: its policy does not lead to the subgoal"
@@ -162,8 +169,10 @@ def skills_of(arrays: Mapping[str, np.ndarray]) -> list[Skill] | None:
     """Return the skills of the arrays `LIBRARY`, None if the method keeps no library."""
     if "library/subgoals" not in arrays:
         return None
-    rows = zip(*(arrays[name] for name in LIBRARY), strict=True)
-    return [Skill(int(subgoal), policy, int(after)) for subgoal, policy, after in rows]
+    subgoals = arrays["library/subgoals"]
+    sets = arrays.get(INITIATION, [None] * len(subgoals))
+    rows = zip(subgoals, arrays["library/policies"], arrays["library/learned_after"], sets, strict=True)
+    return [Skill(int(subgoal), policy, int(after), states) for subgoal, policy, after, states in rows]
 
 
 # -- reading ------------------------------------------------------------------------------------------------------

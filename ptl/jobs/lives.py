@@ -49,7 +49,7 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
     seeds: Annotated[Positive, Meta(description="lives")]
 
     TITLE = "Lives that decide claims"
-    READS = ("learning", "skills", "subgoals", "policy_reuse")
+    READS = ("learning", "skills", "subgoals", "policy_reuse", "full_transfer")
     ARRAYS = LIVES
 
     @property
@@ -98,7 +98,7 @@ class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
     runs: Annotated[Positive, Meta(description="lives")]
 
     TITLE = "Libraries that decide claims"
-    READS = ("learning", "skills", "subgoals")
+    READS = ("learning", "skills", "subgoals", "policy_reuse")
     ARRAYS = {"library_size": LIBRARY_SIZE}  # noqa: RUF012
     NAME: ClassVar[str] = "growth"
 

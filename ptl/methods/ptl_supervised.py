@@ -17,10 +17,9 @@ class Method(PartialTransfer):
     colour = "#56b4e9"
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
-        initial_q = super().begin_task(start, goal)
-        distance = self.world.distances_to(goal)[self.candidates]
+        distance = self.world.distances_to(goal)[[start, *self.library.subgoals]]
         self.named_skill = int(np.where(distance < 0, distance.max() + 1, distance).argmin())
-        return initial_q
+        return super().begin_task(start, goal)
 
     def draw_skill(self) -> int:
         return self.named_skill

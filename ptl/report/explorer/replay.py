@@ -83,8 +83,9 @@ def probabilities(method: BaseMethod) -> np.ndarray | None:
         return method.arm_probabilities()
     if not isinstance(method, PartialTransfer):
         return None
-    if hasattr(method, "named_skill"):
-        return np.eye(len(method.candidates))[method.named_skill]
+    named = getattr(method, "named_skill", method.kept_skill)
+    if named is not None:
+        return np.eye(len(method.candidates))[named]
     if type(method).draw_skill is PartialTransfer.draw_skill:
         return method.selection.probabilities()
     return None
@@ -142,6 +143,8 @@ class _WatchedLearner:
 
     def explore(self, *arguments: Any, **options: Any) -> None:
         self._note(0, self._learner.explore, *arguments, **options)
+        if options.get("budget") == 1:  # the steps between states in which a skill may lead are one part
+            self._join()
 
     def follow(self, policy: np.ndarray, *arguments: Any, **options: Any) -> None:
         self._note(self._candidate(policy), self._learner.follow, policy, *arguments, **options)
@@ -151,10 +154,14 @@ class _WatchedLearner:
 
     def act(self, action: int, **options: Any) -> int:
         after = self._learner.act(action, **options)
-        if not self.parts or self.parts[-1][0] != 0:
-            self.parts.append([0, 0])
-        self.parts[-1][1] += 1
+        self.parts.append([0, 1])
+        self._join()
         return after
+
+    def _join(self) -> None:
+        """Make one part of the last two if neither has a guide."""
+        if len(self.parts) > 1 and self.parts[-1][0] == self.parts[-2][0] == 0:
+            self.parts[-2][1] += self.parts.pop()[1]
 
     def _candidate(self, policy: np.ndarray) -> int:
         return next((i for i, guide in enumerate(self._guides, 1) if guide is policy), OWN_GUIDE)
