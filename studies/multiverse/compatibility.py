@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from ptl.claims.degrees import STRICT
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.text import number, percent
-from studies.multiverse.judging import JUDGED, STRICT
+from studies.multiverse.judging import JUDGED
 from studies.multiverse.shares import drawn, held
 
 RARE = 0.05

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from ptl.claims.degrees import CONSTRUCTION, EVERY, NONE, PARTLY, SOME, UNDECIDED
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.report.figures import style
 from studies.multiverse.curves import CLAIMED, levels
 from studies.multiverse.design import Unknown
-from studies.multiverse.shares import CONSTRUCTION, EVERY, NONE, PART, SOME
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,14 @@ if TYPE_CHECKING:
 TOGETHER, LAST, OTHERS, PRINTED = "#0f7f8c", "#c2571a", "#6a2c91", "#22262b"
 """Colours of the shares: read on B to F together, on task F, given the other claims, and of printed tables."""
 
-CLASS_COLOURS = {EVERY: "#0f7f8c", SOME: "#7fc0be", PART: "#e8b98c", NONE: "#b3361e", CONSTRUCTION: "#c9ccd1"}
+CLASS_COLOURS = {
+    EVERY: "#0f7f8c",
+    SOME: "#7fc0be",
+    PARTLY: "#e8b98c",
+    NONE: "#b3361e",
+    CONSTRUCTION: "#c9ccd1",
+    UNDECIDED: "#f4f6f8",
+}
 """From blue-green to red over pale; unlike in lightness, so that they are told apart without colour as well."""
 
 HEADINGS = {

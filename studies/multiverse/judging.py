@@ -15,9 +15,10 @@ import pandas as pd
 
 from ptl import claims
 from ptl.claims.claim import Claim, Judgement
+from ptl.claims.degrees import PLAIN, STRICT, Outcomes
 from ptl.claims.evidence import Evidence, MissingEvidence
 from ptl.claims.reading import ARTICLE_RUNS, TRANSFER_TASKS, Reading
-from ptl.claims.verdict import Outcome, Part, Verdict, decide
+from ptl.claims.verdict import Outcome
 from ptl.config import Configuration
 from ptl.files.store import Result
 from ptl.measures.measures import BASE, PER_SEED_COLUMNS
@@ -37,7 +38,6 @@ NOT_JUDGED = {
 
 JUDGED: tuple[Claim, ...] = tuple(claim for claim in claims.CLAIMS if claim.id not in NOT_JUDGED)
 
-STRICT, PLAIN = "strict", "plain"
 LIMIT = "limit"
 """How tables name a reading of "not significant" by as many runs as there are."""
 
@@ -162,17 +162,10 @@ def verdict_rows(name: str, evidence: Evidence) -> Iterator[tuple[object, ...]]:
             if words == PLAIN and not parts:
                 continue
             runs = LIMIT if reading.runs is None else str(reading.runs)
-            yield name, claim.id, words, reading.tasks, reading.tolerance, runs, holds(parts), len(parts), _held(parts)
-
-
-def holds(parts: tuple[Part, ...]) -> float:
-    """Return 1 if all parts hold, 0 if one does not, NaN if the evidence is missing."""
-    verdict = decide(parts)
-    return np.nan if verdict is Verdict.UNDECIDED else float(verdict is Verdict.REPRODUCED)
-
-
-def _held(parts: tuple[Part, ...]) -> int:
-    return sum(part.outcome is Outcome.HOLDS for part in parts)
+            held = sum(part.outcome is Outcome.HOLDS for part in parts)
+            holds = Outcomes.of(reading, words, parts).holds
+            value = np.nan if holds is None else float(holds)
+            yield name, claim.id, words, reading.tasks, reading.tolerance, runs, value, len(parts), held
 
 
 # -- estimates -----------------------------------------------------------------------------------------------------

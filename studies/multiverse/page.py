@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ptl.claims.degrees import CLASSES
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.report.table import Table, text_table
 from ptl.report.templating import render
@@ -16,7 +17,6 @@ from ptl.text import MISSING, interval, number, percent
 from studies.multiverse.adoption import ABOUT_PTL
 from studies.multiverse.design import Multiverse, Unknown
 from studies.multiverse.judging import NOT_JUDGED
-from studies.multiverse.shares import CLASSES
 
 TEMPLATES = Path(__file__).parent / "templates"
 

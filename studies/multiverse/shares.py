@@ -9,8 +9,9 @@ import pandas as pd
 from scipy import stats
 
 from ptl.claims.claim import Claim
-from ptl.claims.reading import ARTICLE_RUNS, DEFAULT, LAST_TASK, TRANSFER_TASKS, Reading, tasks_text
-from studies.multiverse.judging import JUDGED, LIMIT, PLAIN, STRICT
+from ptl.claims.degrees import STRICT, Degree, Outcomes, degree_of
+from ptl.claims.reading import ARTICLE_RUNS, DEFAULT, LAST_TASK, TRANSFER_TASKS, Reading
+from studies.multiverse.judging import JUDGED, LIMIT
 
 KEYS = ["claim", "words", "tasks", "tolerance", "runs"]
 """Columns that name a claim under a reading."""
@@ -124,22 +125,9 @@ def given_others(held: pd.DataFrame, confidence: float) -> pd.DataFrame:
 
 # -- the ledger of degrees -----------------------------------------------------------------------------------------
 
-EVERY, SOME, NONE, PART, CONSTRUCTION = (
-    "under every reading", "under some readings", "contradicted", "in part", "by construction",
-)  # fmt: skip
-CLASSES = {
-    EVERY: "holds in the reference setting under every reading of its words",
-    SOME: "holds in the reference setting under some readings and not under others",
-    PART: "no reading makes all of it hold in the reference setting, but some of its parts do",
-    NONE: "no part of it holds in the reference setting under any reading",
-    CONSTRUCTION: "holds whatever is learned, by a choice of this reconstruction or by definition",
-}
-"""Classes of claims and their meaning, from the strongest on; the last says nothing about the method."""
-
 LEDGER_COLUMNS = (
     "claim", "statement", "class", "holds_when", "share", "low", "high", "share_together", "low_together",
     "high_together", "given_others", "given_others_low", "given_others_high", "printed", "printed_together",
-    "by_construction",
 )  # fmt: skip
 
 
@@ -167,19 +155,20 @@ def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, reference: str, confid
     prints = printed.set_index(KEYS)["printed"]
     rows = []
     for claim in JUDGED:
+        own_degree = degree(claim, own)
         keys = {tasks: _key(claim, reading_of(claim, tasks)) for tasks in (LAST_TASK, TRANSFER_TASKS)}
         single, together = (shares[tasks].loc[keys[tasks]] for tasks in (LAST_TASK, TRANSFER_TASKS))
         rows.append(
             (
                 claim.id,
                 claim.statement,
-                *degree(claim, own),
+                own_degree.name,
+                own_degree.when,
                 *single[["share", "low", "high"]],
                 *together[["share", "low", "high"]],
                 *others.loc[claim.id],
                 prints[keys[LAST_TASK]],
                 prints[keys[TRANSFER_TASKS]],
-                claim.by_construction,
             )
         )
     return pd.DataFrame(rows, columns=list(LEDGER_COLUMNS))
@@ -190,37 +179,16 @@ def _key(claim: Claim, reading: Reading, words: str = STRICT) -> tuple[object, .
     return claim.id, words, reading.tasks, reading.tolerance, runs
 
 
-def degree(claim: Claim, verdicts: pd.DataFrame) -> tuple[str, str]:
-    """Return the class of a claim and the readings under which it holds, by the verdicts of one setting."""
+def degree(claim: Claim, verdicts: pd.DataFrame) -> Degree:
+    """Return the degree of a claim by the verdicts of one setting."""
     own = verdicts[verdicts["claim"] == claim.id]
-    if claim.by_construction:
-        return CONSTRUCTION, ""
-    hits, misses = own[own["holds"] == 1], own[own["holds"] == 0]
-    if len(hits) and misses.empty:
-        return EVERY, ""
-    if hits.empty:
-        return (PART if (own["parts_holding"] > 0).any() else NONE), ""
-    return SOME, "; ".join(_in_words(claim, own))
-
-
-def _in_words(claim: Claim, own: pd.DataFrame) -> Iterable[str]:
-    """Yield for each thing that the words leave open the values with which the claim can hold."""
-    hits = own[own["holds"] == 1]
-    for name in claim.open_to:
-        values = list(dict.fromkeys(own[name]))
-        good = [value for value in values if (hits[name] == value).any()]
-        if len(good) < len(values) or len(claim.open_to) == 1:
-            yield f"{NAMES[name]} {', '.join(_value_text(name, value) for value in good)}"
-    if (hits["words"] == PLAIN).all():
-        yield "plain words"
-
-
-NAMES = {"tasks": "read on", "tolerance": "within", "runs": "significance of"}
-
-
-def _value_text(name: str, value: object) -> str:
-    if name == "tasks":
-        return tasks_text(str(value)).removeprefix("task ")
-    if name == "tolerance":
-        return f"{value} cells"
-    return "the limit" if value == LIMIT else f"{value} runs"
+    outcomes = [
+        Outcomes(
+            Reading(row.tasks, row.tolerance, None if row.runs == LIMIT else int(row.runs)),
+            row.words,
+            None if np.isnan(row.holds) else bool(row.holds),
+            row.parts_holding > 0,
+        )
+        for row in own.itertuples()
+    ]
+    return degree_of(claim, outcomes)
