@@ -39,7 +39,7 @@ FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 def text_of(page: str) -> str:
     """Text of a page, without the lines on studies that have been removed."""
     lines = (ROOT / page).read_text(encoding="utf-8").splitlines(keepends=True)
-    gone = re.compile(r"studies/(\w+)|reports/(fv_check|robustness|fit|beyond)/|make (fv-check|robustness|fit|beyond)")
+    gone = re.compile(r"studies/(\w+)|reports/(fv_check|multiverse|beyond)/|make (fv-check|multiverse|beyond)")
     there = {path.name for path in (ROOT / "studies").iterdir() if path.is_dir()}
     studies = [
         {(name or "").replace("-", "_") for match in gone.findall(line) for name in match} - {""} for line in lines
