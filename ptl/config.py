@@ -9,6 +9,7 @@ of it (`FV`), or this reconstruction, because it is simple or usual (`CHOSEN`) o
 """
 
 from collections.abc import Collection, Mapping
+from itertools import pairwise
 from typing import Annotated, Literal, Self
 
 import msgspec
@@ -230,19 +231,23 @@ class Statistics(Group, frozen=True, kw_only=True):
 
 
 class Decision(Group, frozen=True, kw_only=True):
-    """Runs that decide the claims, beside those of the tables."""
+    """Runs that decide the claims, beside those of the tables, as many as a verdict needs."""
 
-    seeds: Annotated[int, key("Learning runs per environment and method.", ge=1, le=10**5)] = 2000
-    full_transfer_seeds: Annotated[
-        int, key("The same of full transfer, whose runs take ten times as long.", ge=1, le=10**5)
-    ] = 400
-    no_transfer_seeds: Annotated[
-        int,
+    looks: Annotated[
+        tuple[Annotated[int, Meta(ge=1, le=10**5)], ...],
         key(
-            "The same of no transfer, where one late episode in thousands is a thousand times as long.", ge=1, le=10**5
+            "Runs per environment and method, and lives of the growing library, at each look at the claims; where no"
+            " claim is open any more, none are added.",
+            CHOSEN,
+            wanted="a list of increasing whole numbers",
+            min_length=1,
         ),
-    ] = 5000
-    growth_runs: Annotated[int, key("Lives of the growing library.", ge=1, le=10**5)] = 400
+    ] = (100, 200, 400, 800, 1600, 3200)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if any(after <= before for before, after in pairwise(self.looks)):
+            raise ConfigurationError.of_value("looks", list(self.looks), "a list of increasing whole numbers")
 
 
 class Growth(Group, frozen=True, kw_only=True):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ptl.claims.evidence import Evidence, MissingEvidence
 from ptl.claims.reading import Reading, readings
@@ -45,13 +45,23 @@ class Claim:
     def judge(self, evidence: Evidence) -> Judgement:
         """Return the verdict on the claim; it is undecided if evidence is missing."""
         try:
-            items = list(self.check(evidence))
+            items = list(self._items(evidence))
         except MissingEvidence as lack:
             return Judgement(self, Verdict.UNDECIDED, reason=str(lack))
         parts = tuple(item for item in items if isinstance(item, Part) and not item.plain)
         plain = tuple(item for item in items if isinstance(item, Part) and item.plain)
         notes = tuple(item for item in items if isinstance(item, str))
         return Judgement(self, decide(parts), parts, notes, plain=plain)
+
+    def _items(self, evidence: Evidence) -> Iterator[Part | str]:
+        """Yield the parts and notes; a part uses the runs asked for since the one before, or before the first."""
+        first: frozenset[tuple[str, str]] | None = None
+        evidence.used.clear()
+        for item in self.check(evidence):
+            used = frozenset(evidence.used)
+            first = used if first is None else first
+            yield replace(item, uses=first | used) if isinstance(item, Part) else item
+            evidence.used.clear()
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ code. Anything absent, or from too few seeds, raises `MissingEvidence`, which ma
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -71,6 +71,8 @@ class Evidence:
         How claims read the article's words.
     episodes : int, optional
         Episodes of a task, if there are no ``steps`` to tell.
+    used : set of (str, str)
+        Environments and methods whose runs have been asked for, "growth" for the growing library.
     """
 
     per_seed: pd.DataFrame
@@ -86,10 +88,11 @@ class Evidence:
     exact: bool = False
     reading: Reading = DEFAULT
     episodes: int | None = None
+    used: set[tuple[str, str]] = field(default_factory=set, compare=False, repr=False)
 
     def under(self, reading: Reading) -> Evidence:
         """Return the same results under another reading; tables that do not depend on it are shared."""
-        other = replace(self, reading=reading)
+        other = replace(self, reading=reading, used=set())
         other.__dict__["_tables"] = self._tables
         if self.subgoals is not None:
             other.__dict__["_subgoal_frames"] = self._subgoal_frames
@@ -130,6 +133,7 @@ class Evidence:
                 raise MissingEvidence(f"{environment}: method {method} is not in this run")
             raise MissingEvidence(f"{environment}: task {task} of method {method} is not in this run")
         _check_number(len(table.seeds), f"{environment} {task} {method}")
+        self.used.add((environment, method))
         return table
 
     def _sum(self, environment: str, tasks: str, method: str) -> Table:
@@ -228,6 +232,7 @@ class Evidence:
         if rows is None:
             raise MissingEvidence(f"{environment}: subgoals of {method}, task {task}, are not in this run")
         _check_number(len(rows), f"{environment} {task} {method}")
+        self.used.add((environment, method))
         return rows
 
     @cached_property
@@ -242,6 +247,8 @@ class Evidence:
         value = getattr(self, name)
         if value is None or len(value) == 0:
             raise MissingEvidence(f"{name.replace('_', ' ')}: not in this run")
+        if name == "growth":
+            self.used.add(("", name))
         return value
 
 

@@ -79,6 +79,8 @@ class Part:
     unit : str
     plain : bool
         Whether it belongs to the plain reading of a claim that has a strict one too.
+    uses : set of (str, str)
+        Environments and methods whose runs enter it.
     """
 
     text: str
@@ -87,6 +89,7 @@ class Part:
     outcome: Outcome
     unit: str = ""
     plain: bool = False
+    uses: frozenset[tuple[str, str]] = frozenset()
 
     def __str__(self) -> str:
         e = self.estimate

@@ -9,7 +9,7 @@ import numpy as np
 from msgspec import Meta
 
 from ptl.files.formats import Array
-from ptl.files.job import Job, Positive, Watch, Word, Worlds, register
+from ptl.files.job import Job, Number, Positive, Watch, Word, Worlds, register
 from ptl.files.outside import learning_code
 from ptl.jobs.grow import grows
 from ptl.jobs.learn import episode_faults
@@ -37,8 +37,8 @@ LIBRARY_SIZE = Array("int64", ("r", "g"), "skills after 0, 1, ... tasks of each 
 
 
 @register
-class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
-    """Lives of one method in one environment."""
+class Lives(Job, frozen=True, kw_only=True, tag="lives/3"):
+    """Lives of one method in one environment that one look adds to those of the looks before."""
 
     name: Annotated[Word, Meta(description="name of the job, and of its random streams")]
     environment: Annotated[Word, Meta(description="name of the environment")]
@@ -46,6 +46,8 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
         str, Meta(description="goal letters in the order in which they are learned", pattern="^[A-HJ-Z]+$")
     ]
     method: Annotated[str, Meta(description="identifier of the method")]
+    look: Annotated[Positive, Meta(description="look that needs them, from 1")]
+    first: Annotated[Number, Meta(description="first seed")]
     seeds: Annotated[Positive, Meta(description="lives")]
 
     TITLE = "Lives that decide claims"
@@ -55,7 +57,12 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
     @property
     def place(self) -> str:
         """Path of the file below results/<run>/."""
-        return f"decision/{self.name}.h5"
+        return f"decision/{self.name}_{self.look}.h5"
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """Environment and method."""
+        return self.environment, self.method
 
     def sources(self) -> str:
         """Return the digest of the present sources."""
@@ -64,7 +71,7 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
     def run(self, worlds: Worlds, watch: Watch = iter) -> dict[str, np.ndarray]:
         """Learn the lives."""
         names = STREAM, self.name, self.environment
-        seeds = watch(range(self.seeds))
+        seeds = watch(range(self.first, self.first + self.seeds))
         world = worlds[self.environment]
         return learn_lives(world, self.tasks, self.method, self.settings, self.root_seed, seeds, *names)
 
@@ -75,13 +82,16 @@ class Lives(Job, frozen=True, kw_only=True, tag="lives/2"):
 
     def faults(self, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> Iterator[str]:
         """Yield the impossible values."""
-        yield from lives_faults(arrays, worlds[self.environment], self.tasks, self.settings.learning.max_steps)
+        limit = self.settings.learning.max_steps
+        yield from lives_faults(arrays, worlds[self.environment], self.tasks, limit, self.first)
 
 
-def lives_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: str, limit: int) -> Iterator[str]:
+def lives_faults(
+    arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: str, limit: int, first: int = 0
+) -> Iterator[str]:
     """Yield the impossible values in the arrays `LIVES`."""
-    if (arrays["seeds"] != np.arange(len(arrays["seeds"]))).any():
-        yield "its seeds are not 0, 1, 2, ..."
+    if (arrays["seeds"] != first + np.arange(len(arrays["seeds"]))).any():
+        yield f"its seeds are not {first}, {first + 1}, {first + 2}, ..."
     shortest = world.distances_to(world.start)[[world.goal(letter) for letter in tasks]]
     for place, steps in enumerate(np.moveaxis(arrays["steps"], 1, 0)):
         yield from (f"task {tasks[place]}: {fault}" for fault in episode_faults(steps, int(shortest[place]), limit))
@@ -90,11 +100,13 @@ def lives_faults(arrays: Mapping[str, np.ndarray], world: GridWorld, tasks: str,
 
 
 @register
-class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
-    """Growth of the libraries of many lives of random tasks."""
+class Libraries(Job, frozen=True, kw_only=True, tag="libraries/3"):
+    """Growth of the libraries of many lives of random tasks that one look adds."""
 
     environment: Annotated[Word, Meta(description="name of the environment")]
     tasks: Annotated[Positive, Meta(description="tasks in one life")]
+    look: Annotated[Positive, Meta(description="look that needs them, from 1")]
+    first: Annotated[Number, Meta(description="number of the first life")]
     runs: Annotated[Positive, Meta(description="lives")]
 
     TITLE = "Libraries that decide claims"
@@ -105,7 +117,12 @@ class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
     @property
     def place(self) -> str:
         """Path of the file below results/<run>/."""
-        return f"decision/{self.NAME}.h5"
+        return f"decision/{self.NAME}_{self.look}.h5"
+
+    @property
+    def pair(self) -> tuple[str, str]:
+        """Environment, and the name that stands for the growing library."""
+        return self.environment, self.NAME
 
     def sources(self) -> str:
         """Return the digest of the present sources."""
@@ -113,7 +130,7 @@ class Libraries(Job, frozen=True, kw_only=True, tag="libraries/2"):
 
     def run(self, worlds: Worlds, watch: Watch = iter) -> dict[str, np.ndarray]:
         """Learn the tasks, with a library that starts empty in each life."""
-        world, runs = worlds[self.environment], watch(range(self.runs))
+        world, runs = worlds[self.environment], watch(range(self.first, self.first + self.runs))
         names = STREAM, self.NAME
         sizes = grow_lives(world, self.environment, self.tasks, self.settings, self.root_seed, runs, *names)
         return {"library_size": sizes}

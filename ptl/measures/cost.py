@@ -69,7 +69,7 @@ class Cost:
 
 
 def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
-    """Estimate the total cost of all jobs of a completed configuration.
+    """Estimate the total cost of all jobs of a completed configuration, at least one look at the claims included.
 
     Parameters
     ----------
@@ -80,8 +80,7 @@ def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
     seeds = dict.fromkeys(run.methods, run.seeds)
     deciding = {}
     if run.article:
-        deciding = dict.fromkeys(run.methods, run.decision.seeds)
-        deciding |= {"full_transfer": run.decision.full_transfer_seeds, "no_transfer": run.decision.no_transfer_seeds}
+        deciding = dict.fromkeys(run.methods, run.decision.looks[0])
     steps, lives, tasks, surveyed = 0.0, 0, 0, 0.0
     for name, entry in run.environments.items():
         world = worlds[name]
@@ -93,7 +92,7 @@ def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
         starts = world.n_states if survey.starts == "all" else min(survey.starts, world.n_states)
         surveyed += SURVEY * survey.trajectories * starts * world.n_states**2
     world = worlds[run.growth.environment]
-    grown = run.growth.runs + (run.decision.growth_runs if run.article else 0)
+    grown = run.growth.runs + (run.decision.looks[0] if run.article else 0)
     steps += grown * run.growth.tasks * steps_of_task(world.n_states, world.diagonal, run.learning)
     learning = len(run.environments) * sum(seeds.values())
     jobs = learning + run.growth.runs + len(run.environments) * survey.batches

@@ -74,10 +74,13 @@ class Resampling:
         Level of every interval, between 0 and 1.
     resamples : int
         Number of bootstrap resamples; with 0 every interval is its estimate, as if the runs were all there are.
+    normal : bool
+        Take the intervals of large samples instead, estimate and normal standard errors, without resampling.
     """
 
     confidence: float
     resamples: int
+    normal: bool = False
 
     def __post_init__(self) -> None:
         if not 0 < self.confidence < 1:
@@ -159,7 +162,7 @@ def share(count: int, total: int, how: Resampling) -> Estimate:
     """Return ``count / total`` with its Wilson interval."""
     if total == 0:
         return UNDEFINED
-    if not how.resamples:
+    if not how.resamples and not how.normal:
         return exactly(count / total)
     if total < MIN_FOR_INTERVAL:
         return Estimate(count / total, np.nan, np.nan)
@@ -200,6 +203,36 @@ def _occurrences(ranks: np.ndarray, bins: int) -> np.ndarray:
     return np.bincount(rows.ravel(), minlength=bins * len(rows)).reshape(*ranks.shape[:-1], bins)
 
 
+def _of_mean(values: np.ndarray) -> Iterator[np.ndarray]:
+    yield values - values.mean()
+
+
+def _of_ratio(numerators: np.ndarray, denominators: np.ndarray) -> Iterator[np.ndarray]:
+    yield (numerators - numerators.mean() / denominators.mean() * denominators) / denominators.mean()
+
+
+def _of_probability(lower: np.ndarray, upper: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield each value's share of won comparisons (DeLong, DeLong and Clarke-Pearson 1988), centred."""
+    for own, other in ((-lower.astype(int), -upper.astype(int)), (upper.astype(int), lower.astype(int))):
+        ordered = np.sort(other)
+        won = (np.searchsorted(ordered, own, "left") + np.searchsorted(ordered, own, "right")) / (2 * len(other))
+        yield won - won.mean()
+
+
+INFLUENCES: dict[Callable[..., np.ndarray], Callable[..., Iterator[np.ndarray]]] = {
+    _mean: _of_mean,
+    _ratio: _of_ratio,
+    _probability_of_being_lower: _of_probability,
+}
+"""How much each value of each sample moves a statistic, for the standard errors of large samples."""
+
+
+def _large_sample(value: float, influences: list[np.ndarray], how: Resampling) -> Estimate:
+    z = stats.norm.ppf((1 + how.confidence) / 2)
+    reach = float(z * np.sqrt(sum(influence.var(ddof=1) / len(influence) for influence in influences)))
+    return Estimate(value, value - reach, value + reach)
+
+
 def _bootstrap(
     statistic: Callable[..., np.ndarray],
     samples: tuple[np.ndarray, ...],
@@ -213,10 +246,12 @@ def _bootstrap(
     if smallest == 0:
         return UNDEFINED
     value = float(statistic(*samples))
-    if not how.resamples:
+    if not how.resamples and not how.normal:
         return exactly(value)
     if smallest < MIN_FOR_INTERVAL:
         return Estimate(value, np.nan, np.nan)
+    if how.normal:
+        return _large_sample(value, [*INFLUENCES[statistic](*samples)], how)
     if all(np.all(sample == sample[0]) for sample in samples):
         return Estimate(value, value, value)
     # Two samples draw from the stream in turn, batch by batch; one draws the same numbers for any batches.

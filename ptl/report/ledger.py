@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -54,21 +54,43 @@ FITTED = (
 """Notes on the published maps and settings that apply to every verdict."""
 
 
-def run_text(seeds: int, few: int, statistics: Any, others: Mapping[str, int] | None = None) -> str:
-    """Describe the runs that a ledger judges: those that decide, ``others`` by method, and those of the tables."""
-    resampling = (
-        f"{percent(statistics.confidence)} intervals in brackets (bootstrap, {number(statistics.resamples)} resamples,"
-        " paired by seed where methods are compared; Wilson for shares of runs)."
-    )
-    if seeds == few:
-        return f"Checked on this run: {number(few)} seeds; {resampling}"
-    others = {method.replace("_", " "): own for method, own in (others or {}).items() if own != seeds}
-    exceptions = ", ".join(f"{method}: {number(own)}" for method, own in others.items())
-    exceptions = f" ({exceptions})" if exceptions else ""
+def run_text(seeds: int, statistics: Any) -> str:
+    """Describe a ledger of the runs of the tables alone."""
     return (
-        f"Verdicts and numbers rest on {number(seeds)} seeds{exceptions}, others than the {number(few)} of the tables;"
-        " first episodes are compared with the exact expectation of those without transfer. Beside each verdict is what"
-        f" the {number(few)} seeds of the tables say alone. {resampling}"
+        f"Checked on this run: {number(seeds)} seeds; {percent(statistics.confidence)} intervals in brackets"
+        f" (bootstrap, {number(statistics.resamples)} resamples, paired by seed where methods are compared; Wilson for"
+        " shares of runs)."
+    )
+
+
+def decided_text(results: Sequence[Any], looks: Sequence[int], level: float, few: int, statistics: Any) -> str:
+    """Describe a ledger of the runs that decide claims.
+
+    Parameters
+    ----------
+    results : sequence of Result
+        Files of the looks that were taken.
+    looks : sequence of int
+        Runs at each look that was planned.
+    level : float
+        Level of the intervals.
+    few : int
+        Seeds of the tables.
+    """
+    last: dict[tuple[str, str], int] = {}
+    for result in results:
+        last[result.job.pair] = max(last.get(result.job.pair, 0), result.job.look)
+    counts = [sum(look == taken for taken in last.values()) for look in range(1, len(looks) + 1)]
+    taken = ", ".join(f"{number(runs)} ({number(count)})" for runs, count in zip(looks, counts, strict=True) if count)
+    error = percent(round(1 - statistics.confidence, 4))
+    return (
+        f"Verdicts and numbers are from as many runs as they need, others than the {number(few)} of the tables. Runs,"
+        f" and in brackets how many of the {number(len(last))} pairs of environment and method took them: {taken}."
+        " After each look, only what an open part speaks of gets more runs; the error over all looks is at most"
+        f" {error} for each part (union bound). The intervals are those of large samples at"
+        f" {percent(round(level, 4))}. First episodes"
+        f" are compared with the exact expectation of those without transfer. Beside each verdict is what the"
+        f" {number(few)} seeds of the tables say alone ({percent(statistics.confidence)} bootstrap intervals)."
     )
 
 

@@ -12,14 +12,17 @@ from made_up_run import GROUPS, MadeUpRun
 from projects import MAPS
 
 from ptl import claims
-from ptl.claims.decision import decision_jobs, evidence_of
+from ptl.claims.decision import confidence_at, decision_jobs, evidence_of, goes_on, open_pairs
+from ptl.claims.verdict import Outcome
 from ptl.config import Configuration, Parameters
 from ptl.errors import UserError
 from ptl.files import store
 from ptl.learning.growth import grow_library
 from ptl.learning.life import learn_life, tasks_of
 from ptl.learning.lives import grow_lives, learn_lives
+from ptl.measures import statistics
 from ptl.measures.exact import first_episode_without_transfer
+from ptl.measures.statistics import Resampling
 from ptl.world.gridworld import GridWorld, load_map, map_digest
 
 ROOMS = GridWorld.from_text("#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n", "rooms")
@@ -63,21 +66,23 @@ def jobs_of(environments: tuple[str, ...] = ("env2", "env3", "mine"), **changes:
     given = {
         "run": "x", "environments": dict.fromkeys(environments, entry), "methods": ["no_transfer", "ptl"],
         "learning": {"episodes": 12}, "growth": {"environment": environments[-1], "tasks": 8},
-        "decision": {"seeds": 12, "full_transfer_seeds": 10, "no_transfer_seeds": 14, "growth_runs": 10},
+        "decision": {"looks": [10, 14]},
     }  # fmt: skip
     return decision_jobs(Configuration.from_dict(given | changes), dict.fromkeys(environments, DIGEST))
 
 
 def test_only_what_claims_speak_of_is_decided() -> None:
-    lives = {f"decision/{name}_{method}.h5" for name in ("env2", "env3") for method in ("no_transfer", "ptl")}
+    pairs = [(name, method) for name in ("env2", "env3") for method in ("no_transfer", "ptl")]
+    lives = {f"decision/{name}_{method}_{look}.h5" for name, method in pairs for look in (1, 2)}
     assert {*jobs_of()} == lives, "neither lives nor libraries on a map that no claim speaks of"
     assert not jobs_of(("mine",))
     jobs = jobs_of(("env2",), methods=["no_transfer", "full_transfer", "ptl", "methods/mine.py"])
-    seeds = {place: job.seeds for place, job in jobs.items() if place != "decision/growth.h5"}
-    assert seeds == {
-        "decision/env2_no_transfer.h5": 14, "decision/env2_full_transfer.h5": 10, "decision/env2_ptl.h5": 12
-    }  # fmt: skip
-    assert jobs["decision/growth.h5"].runs == 10
+    assert {job.pair for job in jobs.values()} == {
+        ("env2", method) for method in ("no_transfer", "full_transfer", "ptl", "growth")
+    }
+    first, second = jobs["decision/env2_ptl_1.h5"], jobs["decision/env2_ptl_2.h5"]
+    assert (first.first, first.seeds, second.first, second.seeds) == (0, 10, 10, 4)
+    assert jobs["decision/growth_2.h5"].runs == 4
 
 
 @pytest.fixture(scope="module")
@@ -90,15 +95,78 @@ def decided(tmp_path_factory: pytest.TempPathFactory) -> list[store.Result]:
 
 
 def test_decision_compares_first_episodes_with_their_expectation(decided: list[store.Result]) -> None:
-    evidence = evidence_of(decided, GROUPS)
+    evidence = evidence_of(decided, GROUPS, 0.95)
     world = evidence.world("env2")
     expected = first_episode_without_transfer(world, world.goal("B"))
     first = evidence.values("env2", "B", "ptl", "first_episode")
-    assert len(first) == 12
+    assert len(first) == 14
     np.testing.assert_allclose(evidence.values("env2", "B", "ptl", "jump_start"), expected - first)
     assert set(evidence.values("env2", "B", "no_transfer", "first_episode")) == {expected}
-    assert evidence.needed("growth").shape == (10, 9)
-    assert evidence.needed("subgoals").groupby("method").size().to_dict() == {"ptl": 2 * 12}
+    assert evidence.needed("growth").shape == (14, 9)
+    assert evidence.needed("subgoals").groupby("method").size().to_dict() == {"ptl": 2 * 14}
+
+
+def test_a_later_look_adds_the_lives_that_follow(decided: list[store.Result]) -> None:
+    lives = [result for result in decided if result.job.pair == ("env2", "ptl")]
+    steps = np.concatenate([result.arrays["steps"] for result in lives])
+    job = lives[0].job
+    names = ("robustness", "env2_ptl", "env2")
+    at_once = learn_lives(WORLDS["env2"], "AB", "ptl", job.settings, job.root_seed, range(14), *names)
+    np.testing.assert_array_equal(steps, at_once["steps"])
+    assert [result.arrays["seeds"][0] for result in lives] == [0, 10]
+
+
+# -- looks ---------------------------------------------------------------------------------------------------------
+
+
+def test_the_errors_of_all_looks_add_up() -> None:
+    looks = (100, 200, 400, 800)
+    errors = [1 - confidence_at(look, looks, 0.95) for look in range(1, 5)]
+    assert sum(errors) == pytest.approx(0.05)
+    assert errors == sorted(errors)
+
+
+def test_only_what_an_open_part_speaks_of_goes_on() -> None:
+    run = MadeUpRun()
+    evidence = run.evidence()
+    judged = {judgement.claim.id: judgement for judgement in claims.judge(evidence)}
+    assert {part.outcome for part in judged["E3-ratio"].parts} == {Outcome.HOLDS}
+    assert open_pairs(judged.values()) == set()
+    parts = tuple(replace(part, outcome=Outcome.OPEN) for part in judged["E3-ratio"].parts)
+    pairs = open_pairs([replace(judged["E3-ratio"], parts=parts)])
+    assert pairs == {("env3", "ptl"), ("env3", "no_transfer")}
+    growing = tuple(replace(part, outcome=Outcome.OPEN) for part in judged["growth"].parts)
+    assert open_pairs([replace(judged["growth"], parts=growing)]) == {("", "growth")}
+    jobs = jobs_of(("env2", "env3"), methods=["no_transfer", "full_transfer", "ptl"])
+    assert {place for place, job in jobs.items() if goes_on(job, pairs | {("", "growth")})} == {
+        f"decision/{name}_{look}.h5" for name in ("env3_ptl", "env3_no_transfer", "growth") for look in (1, 2)
+    }
+
+
+def test_a_part_uses_the_runs_that_it_was_made_from() -> None:
+    [converge] = [claim for claim in claims.CLAIMS if claim.id == "E2-converge"]
+    uses = {part.text: part.uses for part in converge.judge(MadeUpRun().evidence()).parts}
+    base, full = (("env2", name) for name in ("no_transfer", "full_transfer"))
+    assert uses["task F, no_transfer, share of runs that reach the threshold"] == {base}
+    assert full not in uses["task F, episodes of no_transfer over those of ptl"]
+    assert {full, ("env2", "ptl")} <= uses["task F, episodes of full_transfer over those of ptl"]
+
+
+def test_looking_often_errs_no_more_often_than_stated() -> None:
+    """A bound that is true is rejected at some look in at most 5% of the sequences."""
+    looks = (20, 40, 80, 160)
+    random = np.random.default_rng(7)
+    wrong = 0
+    for _ in range(1000):
+        values = random.normal(0, 1, looks[-1])
+        for look, runs in enumerate(looks, start=1):
+            how = Resampling(confidence_at(look, looks, 0.95), 0, normal=True)
+            estimate = statistics.mean(values[:runs], how, random)
+            if estimate.low > 0 or estimate.high < 0:
+                wrong += 1
+                break
+    assert wrong / 1000 < 0.05 + 3 * np.sqrt(0.05 * 0.95 / 1000)
+    assert wrong > 0
 
 
 def spoil_steps(arrays: dict[str, np.ndarray]) -> None:
@@ -127,12 +195,12 @@ def leave_lives_out(arrays: dict[str, np.ndarray]) -> None:
         ("env2_ptl", spoil_steps, "task B: an episode is shorter than the shortest path"),
         ("env2_ptl", spoil_truncated, "more episodes are truncated than have learning.max_steps"),
         ("env2_no_transfer", spoil_seeds, "its seeds are not 0, 1, 2"),
-        ("env2_no_transfer", leave_lives_out, r"steps: has the shape \(5, 2, 12\) where \(14, 2, 12\) is needed"),
+        ("env2_no_transfer", leave_lives_out, r"steps: has the shape \(5, 2, 12\) where \(10, 2, 12\) is needed"),
         ("growth", spoil_sizes, "a library does not grow from 0 by at most one skill a task"),
     ],
 )
 def test_what_no_lives_can_contain_is_refused(tmp_path, decided: list[store.Result], name, spoil, says) -> None:
-    [result] = [result for result in decided if result.job.place == f"decision/{name}.h5"]
+    [result] = [result for result in decided if result.job.place == f"decision/{name}_1.h5"]
     arrays = {name: values.copy() for name, values in result.arrays.items()}
     store.write(tmp_path / "same.h5", result.job, arrays, WORLDS)
     spoil(arrays)
@@ -141,7 +209,7 @@ def test_what_no_lives_can_contain_is_refused(tmp_path, decided: list[store.Resu
 
 
 def test_lives_that_decide_are_others_than_those_of_the_tables(decided: list[store.Result]) -> None:
-    job = jobs_of(("env2",))["decision/env2_no_transfer.h5"]
+    job = jobs_of(("env2",))["decision/env2_no_transfer_1.h5"]
     tables = learn_lives(WORLDS["env2"], "AB", "no_transfer", job.settings, job.root_seed, range(3), "env2")
     assert not np.array_equal(tables["steps"], decided[0].arrays["steps"][:3])
     fewer = msgspec.structs.replace(job, seeds=3).run(WORLDS)

@@ -332,3 +332,31 @@ def test_probability_of_improvement_counts_every_pair_once():
     np.testing.assert_allclose(statistics._probability_of_being_lower(lower, upper), expected)
     moved = statistics._probability_of_being_lower(np.moveaxis(lower, -1, 0), np.moveaxis(upper, -1, 0), axis=0)
     np.testing.assert_allclose(moved, expected)
+
+
+# -- large samples -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["mean", "ratio", "probability"])
+def test_large_sample_intervals_are_those_of_resampling(kind: str) -> None:
+    random = np.random.default_rng(5)
+    one, other = random.gamma(2, 10, 2000), random.gamma(2, 12, 2000)
+    estimates = []
+    for how in (Resampling(0.95, 4000), Resampling(0.95, 0, normal=True)):
+        generator = np.random.default_rng(1)
+        if kind == "mean":
+            estimates.append(statistics.mean(one, how, generator))
+        elif kind == "ratio":
+            estimates.append(statistics.ratio_of_means(one, other, how, generator))
+        else:
+            estimates.append(statistics.probability_of_improvement(one.round(), other.round(), "lower", how, generator))
+    resampled, normal = estimates
+    assert normal.value == resampled.value
+    assert normal.high - normal.low == pytest.approx(resampled.high - resampled.low, rel=0.08)
+    assert normal.low == pytest.approx(resampled.low, abs=0.1 * (normal.high - normal.low))
+
+
+def test_without_resamples_an_interval_is_its_estimate() -> None:
+    values = np.arange(5.0)
+    assert statistics.mean(values, Resampling(0.95, 0), np.random.default_rng(1)) == statistics.Estimate(2, 2, 2)
+    assert statistics.share(1, 4, Resampling(0.95, 0)) == statistics.Estimate(0.25, 0.25, 0.25)

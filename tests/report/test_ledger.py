@@ -23,7 +23,7 @@ def verdicts():
     return judge(MadeUpRun().evidence())
 
 
-RUN = ledger.run_text(400, 12, GROUPS.statistics, {"full_transfer": 300})
+RUN = ledger.run_text(12, GROUPS.statistics)
 
 
 def test_frame_has_a_row_for_each_claim(verdicts):

@@ -12,7 +12,7 @@ from ptl.claims.verdict import Outcome, Part, Verdict
 from ptl.measures.statistics import Estimate
 from ptl.report import ledger
 
-RUN = ledger.run_text(30, 30, SimpleNamespace(confidence=0.95, resamples=2000))
+RUN = ledger.run_text(30, SimpleNamespace(confidence=0.95, resamples=2000))
 
 
 def part(text: str = "steps", outcome: Outcome = Outcome.HOLDS) -> Part:

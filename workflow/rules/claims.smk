@@ -25,6 +25,28 @@ rule decide:
         "ptl run --job {params.job:q} {params.maps:q} --output {output:q} 2> {log:q}"
 
 
+checkpoint look:
+    input:
+        lambda wildcards: decided(int(wildcards.look)),
+    output:
+        open="<results>/decision/look_{look}.json",
+    log:
+        "<logs>/decision/look_{look}.log",
+    wildcard_constraints:
+        look="[0-9]+",
+    priority: 3
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        groups=groups("measures", "statistics", "growth", "decision"),
+        jobs=packed(DECISION.values()),
+        code=code_digest("ptl.claims.decision", "ptl.claims"),
+    message:
+        "Judging the claims at look {wildcards.look}"
+    script:
+        "../scripts/look.py"
+
+
 rule judge_claims:
     input:
         per_seed=rules.measure.output.per_seed,
@@ -33,7 +55,7 @@ rule judge_claims:
         growth=rules.collect_growth.output,
         selection_cost=rules.library_cost.output.selection,
         library_bytes=rules.library_cost.output.storage,
-        decision=files_of(DECISION),
+        decision=lambda wildcards: decided(LAST_LOOK),
         maps=[entry["map"] for entry in entries().values()],
     output:
         csv="<reports>/claims.csv",

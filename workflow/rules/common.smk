@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from ptl import methods
-from ptl.claims.decision import decision_jobs
+from ptl.claims.decision import decision_jobs, goes_on
 from ptl.errors import UserError
 from ptl.files import aging
 from ptl.files.checkout import check_checkout
@@ -64,6 +64,7 @@ shell.prefix(
 )
 
 JOBS = {**LEARNING, **MISLEADING, **GROWTH, **SURVEYS, **BATCHES, **DECISION}
+LAST_LOOK = len(RUN.decision.looks)
 ENVIRONMENTS = list(config["environments"])
 REFERENCES = methods.by_identifier(config["methods"])
 METHODS = list(REFERENCES)
@@ -121,6 +122,25 @@ def job_at(path):
 def files_of(jobs):
     """Paths of the files of jobs."""
     return [str(RESULTS / place) for place in jobs]
+
+
+def decided(look):
+    """Files of the runs that decide claims: those of the first look, and of later ones while a claim is open."""
+    chosen = [job for job in DECISION.values() if job.look == 1]
+    for before in range(1, look):
+        found = checkpoints.look.get(look=before).output.open
+        pairs = {
+            tuple(pair)
+            for pair in json.loads(Path(found).read_text(encoding="utf-8"))["open"]
+        }
+        chosen += [
+            job
+            for job in DECISION.values()
+            if job.look == before + 1 and goes_on(job, pairs)
+        ]
+        if not pairs:
+            break
+    return files_of(job.place for job in chosen)
 
 
 def learning_of(environments=ENVIRONMENTS, methods=METHODS, seeds=None):
