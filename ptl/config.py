@@ -44,6 +44,14 @@ class Learning(Group, frozen=True, kw_only=True):
     alpha: Annotated[float, key("Learning rate.", FV, gt=0, le=1)] = 0.05
     gamma: Annotated[float, key("Discount per step.", FV, gt=0, le=1)] = 0.95
     epsilon: Annotated[float, key("Probability of a uniformly random action.", CHOSEN, ge=0, le=1)] = 0.1
+    ties: Annotated[
+        Literal["random", "first"],
+        key(
+            "Which of equal greedy actions is taken: any of them at random, or the first in the order north, south,"
+            " west, east.",
+            CHOSEN,
+        ),
+    ] = "random"
     max_steps: Annotated[
         int, key("Steps after which an episode is truncated and counted as unsuccessful.", CHOSEN, ge=1, le=10**12)
     ] = 10**7

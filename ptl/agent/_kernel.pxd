@@ -36,6 +36,7 @@ cdef class Learner:
     cdef uint32_t half
     cdef bint has_half
     cdef bint shortcut
+    cdef bint first_of_ties  # False: greedy actions tie at random
     cdef bint notes_pairs  # False: actions taken two at a time are not noted, and `seen` must not be asked for
     cdef double alpha, gamma
     cdef uint64_t epsilon

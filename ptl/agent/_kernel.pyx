@@ -19,8 +19,8 @@ How it is fast
 *Table of targets.* gamma max_b Q(s,b) is kept for each state, and 1 for the goal, which is all that the update of a
 step into the state needs to know.
 
-*Table of moves.* Twelve slots a state hold the greedy moves, each tied action in 12/k of them, and four more hold the
-four actions. A draw r of 32 bits gives p = 12 r: the high half of p is a slot (0..11) and the low half decides between
+*Table of moves.* Twelve slots a state hold the greedy moves, each tied action in 12/k of them (or the first in all), and
+four more hold the four actions. A draw r of 32 bits gives p = 12 r: the high half of p is a slot (0..11) and the low half decides between
 the greedy slots and the uniform ones, so that the index of a move does not depend on the state and a step is one load.
 
 *Two steps at a time where nothing is known.* Call a state cold if Q has been zero since the task began on all states
@@ -181,7 +181,12 @@ cdef inline uint32_t biased_greedy(Learner learner, uint64_t epsilon, const doub
                 greedy = 0
             if value == best:
                 greedy |= 1 << action
-    return TIED_ACTION[greedy][slot]
+    return greedy_action(learner, greedy, slot)
+
+
+cdef inline uint32_t greedy_action(Learner learner, uint8_t greedy, uint32_t slot) noexcept nogil:
+    """The action of a slot for a set of greedy actions; the first one of the set if ties go to it."""
+    return TIED_ACTION[greedy][0 if learner.first_of_ties else slot]
 
 
 cdef inline void step(Learner learner, uint32_t action) noexcept nogil:
@@ -224,7 +229,10 @@ cdef class Learner:
     initial_q : float array, shape (n_states, 4), optional
         Starts from these values instead of zero.
     shortcut : bool
-        Take two steps at a time where Q is zero all around; the law is the same without.
+        Take two steps at a time where Q is zero all around; the law is the same without. Not if the first of equal
+        actions is taken, which makes another law.
+    ties : {"random", "first"}
+        Which of equal greedy actions is taken: any, or the first in the order north, south, west, east.
 
     Raises
     ------
@@ -236,8 +244,8 @@ cdef class Learner:
     """
 
     def __cinit__(self, Dynamics dynamics not None, goal, bit_generator, *, alpha=0.05, gamma=0.95, epsilon=0.1,
-                  max_steps=10**7, initial_q=None, shortcut=True):
-        cdef int n = dynamics.n_states
+                  max_steps=10**7, initial_q=None, shortcut=True, ties="random"):
+        cdef int n = dynamics.n_states, state
         goal = checked_index("goal", goal, n)
         check_probability("alpha", alpha)
         check_probability("gamma", gamma)
@@ -248,7 +256,10 @@ cdef class Learner:
         self.alpha, self.gamma = alpha, gamma
         self.epsilon = threshold(check_probability("epsilon", epsilon))
         self.max_steps = max_steps
-        self.shortcut = shortcut
+        if ties not in ("random", "first"):
+            raise ValueError(f"ties must be 'random' or 'first', not {ties!r}")
+        self.first_of_ties = ties == "first"
+        self.shortcut = shortcut and not self.first_of_ties
         self.notes_pairs = True
         if not isinstance(bit_generator, np.random.BitGenerator):
             raise ValueError(f"bit_generator must be a numpy.random.BitGenerator, not {bit_generator!r}")
@@ -278,6 +289,9 @@ cdef class Learner:
         self.last_exit = pointer8(last_exit)
         self.informed_states = pointer32(informed_states)
 
+        if self.first_of_ties:
+            for state in range(n):
+                self.fill_moves(state)
         self.record(0)
         self.n_informed = 0
         self.forget(goal)
@@ -597,7 +611,7 @@ cdef class Learner:
         cdef uint32_t* row = &self.moves[SLOTS * state]
         cdef int slot
         for slot in range(GREEDY_SLOTS):
-            row[slot] = row[GREEDY_SLOTS + TIED_ACTION[self.greedy[state]][slot]]
+            row[slot] = row[GREEDY_SLOTS + greedy_action(self, self.greedy[state], slot)]
 
     cdef void refresh(self, uint32_t state) noexcept nogil:
         """Find the best value and the greedy actions of a state anew (exact equality makes a tie)."""

@@ -19,7 +19,7 @@ where the target is r alone if s' is the goal. Q is 0 at first unless values are
 the order of the operations is the one written here.
 
 *Choice.* An action is drawn at random with probability epsilon, and greedily otherwise. Actions whose values are
-exactly equal tie, and ties break uniformly (our choice).
+exactly equal tie, and ties break uniformly (our choice), or go to the first action.
 
 *Parts of an episode.* `explore` acts epsilon-greedily, `follow` obeys a stored policy up to its subgoal (a skill of
 PTL, partial transfer learning), and `reuse` is the pi-reuse of Fernandez and Veloso (2006). A method calls them one
@@ -129,7 +129,9 @@ class ReferenceLearner:
         Values to start from instead of 0.
     shortcut : bool
         Whether `explore` draws the actions of two steps together where no value is known. The distribution of
-        episodes is the same without; the random numbers are not.
+        episodes is the same without; the random numbers are not. It is never done if ties go to the first action.
+    ties : {"random", "first"}
+        Which of equal greedy actions is taken: any, or the first.
 
     Attributes
     ----------
@@ -151,6 +153,7 @@ class ReferenceLearner:
         max_steps: int = 10**7,
         initial_q: np.ndarray | None = None,
         shortcut: bool = True,
+        ties: str = "random",
     ) -> None:
         self._successors = [[int(after) for after in row] for row in successors]
         self._goal = int(goal)
@@ -159,7 +162,8 @@ class ReferenceLearner:
         self._gamma = gamma
         self._epsilon = epsilon
         self._max_steps = max_steps
-        self._shortcut = shortcut
+        self._first_of_ties = ties == "first"
+        self._shortcut = shortcut and not self._first_of_ties
         n_states = len(self._successors)
         values = np.zeros((n_states, 4)) if initial_q is None else np.asarray(initial_q, dtype=np.float64)
         self._q: list[list[float]] = values.tolist()
@@ -278,7 +282,7 @@ class ReferenceLearner:
             worth = [value + added for value, added in zip(worth, bonus, strict=True)]
         best = max(worth[action] for action in allowed)
         greedy = [action for action in allowed if worth[action] == best]
-        return greedy[slot * len(greedy) // SLOTS]
+        return greedy[0 if self._first_of_ties else slot * len(greedy) // SLOTS]
 
     # -- parts of an episode
 

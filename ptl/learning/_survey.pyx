@@ -97,7 +97,7 @@ cdef class Metric:
 
 
 def subgoals_from(Dynamics dynamics not None, start, goals, bit_generator, trajectories, attempts, *,
-                  alpha, gamma, epsilon, max_steps, shortcut=True):
+                  alpha, gamma, epsilon, max_steps, shortcut=True, ties="random"):
     """The subgoal of the original FD metric for the tasks from one start to each of several goals, step by step.
 
     Every task is learned from Q = 0 until ``trajectories`` episodes have reached the goal; random numbers go on from
@@ -126,7 +126,7 @@ def subgoals_from(Dynamics dynamics not None, start, goals, bit_generator, traje
         If a number is out of its range.
     """
     cdef Learner learner = _Learner(dynamics, 0, bit_generator, alpha=alpha, gamma=gamma, epsilon=epsilon,
-                                    max_steps=max_steps, shortcut=shortcut)
+                                    max_steps=max_steps, shortcut=shortcut, ties=ties)
     learner.notes_pairs = False
     cdef int n = dynamics.n_states, episode, i, wanted = checked_count("trajectories", trajectories)
     cdef int most = checked_count("attempts", attempts)
@@ -158,6 +158,7 @@ def subgoals_from(Dynamics dynamics not None, start, goals, bit_generator, traje
 cdef class Survey:
     """The tasks from many starts to one goal after another, with what walks do where nothing is known drawn as trees.
 
+    Equal greedy actions tie at random, or such walks would not be uniform.
     Each task has the law of `subgoals_from` without a step limit; tasks with the same goal share trees and so are
     dependent. docs/performance.md gives the argument.
 

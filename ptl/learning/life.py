@@ -123,6 +123,7 @@ def learn_task(
         epsilon=rates.epsilon,
         max_steps=learning.max_steps,
         initial_q=initial_q,
+        ties=rates.ties,
     )
     search = parameters.subgoals
     if getattr(method.run_episode, "__func__", None) is BaseMethod.run_episode:

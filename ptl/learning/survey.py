@@ -6,6 +6,7 @@ The original FD metric, one task of Q-learning from nothing for every ordered pa
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ptl.agent import seeding
 from ptl.agent._kernel import Dynamics
 from ptl.config import Learning
 from ptl.errors import UserError
-from ptl.learning._survey import GIVEN_UP, NO_SUBGOAL, Survey
+from ptl.learning._survey import GIVEN_UP, NO_SUBGOAL, Survey, subgoals_from
 from ptl.world.gridworld import GridWorld
 
 ARRAYS = ("counts", "unresolved", "pairs", "simulated_steps")
@@ -37,27 +38,32 @@ def subgoal_frequencies(
     -------
     dict
         ``counts`` (n_states,) int64: tasks whose subgoal is the state; ``unresolved``: tasks whose metric is 0
-        everywhere (adjacent cells); ``pairs``; ``simulated_steps``, a small part of all steps of these tasks.
+        everywhere (adjacent cells); ``pairs``; ``simulated_steps``, a small part of all steps of these tasks if equal
+        actions tie at random.
 
     Raises
     ------
     UserError
         If an episode did not reach the goal within the step limit.
     """
-    survey = Survey(
-        Dynamics(world.successors),
-        trajectories,
-        alpha=learning.alpha,
-        gamma=learning.gamma,
-        epsilon=learning.epsilon,
-        max_steps=learning.max_steps,
-    )
+    dynamics, kept = Dynamics(world.successors), ("alpha", "gamma", "epsilon", "max_steps")
+    rates: dict[str, Any] = {name: getattr(learning, name) for name in kept}
+    survey = Survey(dynamics, trajectories, **rates)
+    single_steps = 0
     counts = np.zeros(world.n_states, dtype=np.int64)
     unresolved = pairs = 0
     for goal in goals:
         origins = starts[world.distances_to(goal)[starts] > 0]
         random = seeding.bit_generator(root_seed, "subgoal_frequencies", environment, int(goal))
-        subgoals = survey.subgoals_to(goal, origins, random)
+        if learning.ties == "random":
+            subgoals = survey.subgoals_to(goal, origins, random)
+        else:  # where nothing is known the agent does not walk uniformly, so every step is simulated
+            subgoals = np.empty(len(origins), dtype=np.int32)
+            for i, start in enumerate(origins):
+                [subgoals[i]], steps = subgoals_from(
+                    dynamics, start, [goal], random, trajectories, trajectories, **rates, ties=learning.ties
+                )
+                single_steps += steps
         if (subgoals == GIVEN_UP).any():
             raise UserError(
                 f"{world.name}: an episode from state {origins[subgoals == GIVEN_UP][0]} to state {goal} did not reach"
@@ -66,7 +72,7 @@ def subgoal_frequencies(
         counts += np.bincount(subgoals[subgoals >= 0], minlength=world.n_states)
         unresolved += int((subgoals == NO_SUBGOAL).sum())
         pairs += len(origins)
-    values = (counts, unresolved, pairs, survey.steps)
+    values = (counts, unresolved, pairs, survey.steps + single_steps)
     return {name: np.asarray(value, dtype=np.int64) for name, value in zip(ARRAYS, values, strict=True)}
 
 

@@ -97,17 +97,17 @@ def test_a_plan_is_what_its_calls_are(published_maps, name, mixing, patience):
     growth=st.sampled_from([1.0, 1.5, 2.0, 1e300]),
     epsilon=st.sampled_from([None, 0.0, 0.3]),
     max_steps=st.sampled_from([1, 2, 40, 300]),
-    shortcut=st.booleans(),
+    options=st.sampled_from([{"shortcut": True}, {"shortcut": False}, {"ties": "first"}]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_a_plan_is_what_its_calls_are_on_any_map(text, mixing, patience, growth, epsilon, max_steps, shortcut, seed):
+def test_a_plan_is_what_its_calls_are_on_any_map(text, mixing, patience, growth, epsilon, max_steps, options, seed):
     world = GridWorld.from_text(text)
     rng = np.random.default_rng(seed)
     goal = list(world.goals.values())[seed % len(world.goals)]
     plan = {"mixing": mixing, "patience": patience, "growth": growth, "epsilon": epsilon}
     check_equal(
         world, goal, seed, guides_of(world, rng, int(rng.integers(4))), plan,
-        alpha=0.5, max_steps=max_steps, shortcut=shortcut,
+        alpha=0.5, max_steps=max_steps, **options,
     )  # fmt: skip
 
 

@@ -49,6 +49,14 @@ def test_records_are_consistent(method):
             assert visited[record.update.subgoal]
 
 
+@pytest.mark.parametrize("method", methods.names())
+def test_the_rule_for_ties_reaches_every_method(method):
+    first = QUICK.replace(learning__ties="first", learning__epsilon=0.6)
+    assert numbers(live(method, parameters=first)) != numbers(
+        live(method, parameters=QUICK.replace(learning__epsilon=0.6))
+    )
+
+
 def test_methods_are_independent_of_each_other():
     # The stream is named by the method, so running another one before changes nothing.
     alone = numbers(live("ptl"))

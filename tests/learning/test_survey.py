@@ -65,6 +65,29 @@ def test_first_task_of_a_survey_equals_the_kernel(env3):
     assert (got[0], steps) == (fd_metric(paths, env3.n_states).product.argmax(), total)
 
 
+def test_ties_that_go_to_the_first_action_are_simulated_step_by_step():
+    learning = Learning(ties="first", epsilon=0.6)
+    goal, counts = ROOMS.goals["A"], Counter()
+    random = seeding.bit_generator(1, "subgoal_frequencies", "rooms", goal)
+    total = 0
+    for start in range(ROOMS.n_states):
+        if start == goal:
+            continue
+        learner, paths = Learner(Dynamics(ROOMS.successors), goal, random, epsilon=0.6, ties="first"), []
+        for _ in range(5):
+            learner.begin_episode(start)
+            learner.explore()
+            total += learner.steps
+            paths.append(learner.erased_path())
+        metric = fd_metric(paths, ROOMS.n_states).product
+        counts[int(metric.argmax()) if metric.any() else "unresolved"] += 1
+    got = subgoal_frequencies(ROOMS, np.arange(ROOMS.n_states), [goal], 5, learning, 1, "rooms")
+    assert {state: count for state, count in enumerate(got["counts"].tolist()) if count} == {
+        state: count for state, count in counts.items() if state != "unresolved"
+    }
+    assert (got["unresolved"], got["simulated_steps"]) == (counts["unresolved"], total)
+
+
 def test_counts_add_up_and_do_not_depend_on_batches():
     n = ROOMS.n_states
     everywhere = np.arange(n)
