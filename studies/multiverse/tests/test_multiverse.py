@@ -87,7 +87,7 @@ def test_every_unknown_says_why_and_covers_its_range(study: Multiverse) -> None:
 def test_every_key_that_the_reference_chose_is_drawn_or_named(study: Multiverse) -> None:
     groups = {"learning", "skills", "subgoals", "policy_reuse", "full_transfer"}
     keys = {f"{group}.{key}" for group in groups for key in getattr(Parameters(), group).to_dict()}
-    # ties that go to the first action do not let an agent out of a room within any step limit of the study
+    # if ties go to the first action, a first episode takes 10^9 steps and more with the reference's epsilon
     assert keys - set(study.unknowns) == {"policy_reuse.psi", "policy_reuse.temperature", "learning.ties"}
 
 
