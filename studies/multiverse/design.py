@@ -96,6 +96,7 @@ class Named(Group, frozen=True, kw_only=True):
         dict[Annotated[str, key("", **METHOD)], Annotated[str, key("", **METHOD)]],
         key("Environments that have another map, one of `maps`."),
     ] = {}  # noqa: RUF012 (msgspec copies it)
+    seeds: Annotated[int, key("Learning runs of each method; 0: `named_seeds`.", ge=0, le=10**5)] = 0
     fitted: Annotated[int, key("Choices in it that were made because they fit the claims.", ge=0, le=100)] = 0
 
 
@@ -156,7 +157,13 @@ class Multiverse(Group, frozen=True, kw_only=True):
     def points(self) -> list[Point]:
         """Return the named settings and then those drawn, a Latin hypercube; their names are fit for files."""
         named = [
-            Point(name, setting.changes, dict.fromkeys(self.methods, self.named_seeds), self.named_seeds, setting.maps)
+            Point(
+                name,
+                setting.changes,
+                dict.fromkeys(self.methods, setting.seeds or self.named_seeds),
+                setting.seeds or self.named_seeds,
+                setting.maps,
+            )
             for name, setting in self.named.items()
         ]
         sampler = qmc.LatinHypercube(len(self.unknowns), rng=np.random.default_rng(self.seed))
