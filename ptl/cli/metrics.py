@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from ptl.cli._columns import laid_out
+
 if TYPE_CHECKING:
     import pandas as pd
-
-GAP = "  "
 
 NAMES = ("environment", "task", "method", "metric")
 """Columns that identify a row."""
@@ -57,7 +56,7 @@ def command(
         shown = "mean [interval]" if seeds >= MIN_FOR_INTERVAL else "mean"
         click.echo(f"{place}, task {letter}{note} ({seeds} seed{'s' if seeds > 1 else ''}: {shown})")
         width = shutil.get_terminal_size().columns
-        click.echo("\n".join(_laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")
+        click.echo("\n".join(laid_out(_columns(part, explicit=bool(measure)), width)) + "\n")
 
 
 def _path_of(run: str | None) -> Path:
@@ -130,20 +129,3 @@ def _cell(row: dict | None, can_miss: bool) -> str:
     missed = can_miss and row["n"] < row["seeds"]
     share = f" ({int(row['n'])} of {int(row['seeds'])})" if missed else ""
     return estimate(row["mean"], row["ci_low"], row["ci_high"]) + share
-
-
-def _laid_out(columns: list[list[str]], width: int) -> Iterator[str]:
-    """Yield the lines of a table, in several blocks if it is wider than the terminal; numbers are right-aligned."""
-    labels, *others = columns
-    left = max(map(len, labels))
-    while others:
-        block: list[list[str]] = []
-        used = left
-        while others and (not block or used + len(GAP) + max(map(len, others[0])) <= width):
-            used += len(GAP) + max(map(len, others[0]))
-            block.append(others.pop(0))
-        for label, *cells in zip(labels, *block, strict=True):
-            shown = [cell.rjust(max(map(len, column))) for cell, column in zip(cells, block, strict=True)]
-            yield GAP.join([label.ljust(left), *shown]).rstrip()
-        if others:
-            yield ""
