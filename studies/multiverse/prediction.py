@@ -7,9 +7,11 @@ over settings. Choices (ours):
   t has Student's distribution with n − 1 degrees of freedom: the sampling error of the 30 and the estimation error of
   the n runs. This is exact for normal values. Steps and episodes are positive and skewed, so their error is taken on
   the scale of logarithms (m exp(s √(1/30 + 1/n) t / m)), that of a transfer ratio on the logarithms of 1 − m.
-* A standard deviation of 30 further runs is s √F, where F has the F-distribution with 29 and n − 1 degrees of freedom;
-  both errors again, and exact for normal values. First episodes have heavy tails, for which this is too narrow: the
-  predictions of their standard deviations are the least reliable.
+* A standard deviation of 30 further runs is s √F, where F has the F-distribution with 29 / `TAILS` and (n − 1) /
+  `TAILS` degrees of freedom; both errors again. Normal values would need 29 and n − 1, but steps have heavy tails, and
+  the variance of a variance grows with kurtosis − 1: the degrees of freedom are those of exponential values, to which
+  long first episodes come near. Still heavier tails (rare late failures) make this too narrow, and regular learning
+  (total performance) makes it too wide: the predictions of deviations are less reliable than those of means.
 * A ratio of means takes the means of method and base as independent.
 * A run that never reaches the threshold counts with all its episodes; the article may have counted otherwise.
 
@@ -47,6 +49,9 @@ BEST = 0.25
 
 POINTS = 40
 """Points of the distribution of a setting, each with the same probability."""
+
+TAILS = 4.0
+"""Variance of the variance of exponential values (kurtosis 9), relative to that of normal ones (kurtosis 3)."""
 
 ALSO = {"transfer": ("first_episode",)}
 """Measures beyond those of a kind of table: the article may print first episodes instead of their savings."""
@@ -143,7 +148,7 @@ def mean_points(measure: str, means: np.ndarray, deviations: np.ndarray, runs: n
 
 def deviation_points(deviations: np.ndarray, runs: np.ndarray) -> np.ndarray:
     """Return points of the distribution of a standard deviation of 30 runs, float array (settings, `POINTS`)."""
-    factors = _by_runs(runs, lambda own: np.sqrt(stats.f.ppf(CENTRES, ARTICLE_RUNS - 1, own - 1)))
+    factors = _by_runs(runs, lambda own: np.sqrt(stats.f.ppf(CENTRES, (ARTICLE_RUNS - 1) / TAILS, (own - 1) / TAILS)))
     return deviations[:, np.newaxis] * factors
 
 
@@ -289,12 +294,13 @@ Column `settings` is the number of settings behind a cell; some methods were lea
 Each setting gives a distribution of what {ARTICLE_RUNS} runs would print, and a prediction is the mixture over
 settings. The error of a mean is that of {ARTICLE_RUNS} runs and that of the setting's own runs together (Student's t;
 on the scale of logarithms for steps, episodes and 1 − transfer ratio), the error of a standard deviation that of both
-(F-distribution).
+(F-distribution, with the degrees of freedom of exponential values rather than normal ones).
 
 ## Weaknesses
 
-* These errors are exact for normal values only. First episodes have heavy tails: ranges of their standard deviations
-  are too narrow.
+* The errors of means are exact for normal values only, and somewhat too small for skewed ones.
+* Standard deviations follow the tails of the values. Rare failures late in a task have heavier tails than is assumed
+  here (the ranges are too narrow, mostly for asymptotic performance), totals have lighter ones (too wide).
 * Ratios of means (`jump_start_percent`, `transfer_ratio_of_means`) take method and base as independent, and have no
   sd.
 * A run that never reaches the threshold counts with all its episodes. The article may have counted otherwise.

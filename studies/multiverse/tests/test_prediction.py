@@ -153,22 +153,27 @@ def test_points_of_positive_and_bounded_measures_stay_within():
         np.testing.assert_allclose(np.sort(mean_points(measure, np.array([middle]), narrow, few)), exact, rtol=1e-6)
 
 
+def coverage_of(points: np.ndarray, printed: np.ndarray, level: float) -> float:
+    low, high = np.quantile(points, [(1 - level) / 2, (1 + level) / 2], axis=1)
+    return float(((low <= printed) & (printed <= high)).mean())
+
+
 @pytest.mark.parametrize("runs", [10, 40])
-def test_normal_runs_are_predicted_with_nominal_coverage(runs: int):
-    """Few runs of a setting, then 30 of which mean and deviation are printed, many times over."""
+@pytest.mark.parametrize("level", [0.5, 0.9])
+def test_few_runs_of_a_setting_predict_thirty_with_nominal_coverage(runs: int, level: float):
+    """Means of normal values and deviations of exponential ones, many times over."""
     random = np.random.default_rng(4)
-    many = 4000
-    own, later = random.normal(5, 2, (many, runs)), random.normal(5, 2, (many, 30))
-    means, deviations = own.mean(axis=1), own.std(axis=1, ddof=1)
-    number = np.full(many, runs)
-    for points, printed in (
-        (mean_points("jump_start", means, deviations, number), later.mean(axis=1)),
-        (deviation_points(deviations, number), later.std(axis=1, ddof=1)),
-    ):
-        for level in (0.5, 0.9):
-            low, high = np.quantile(points, [(1 - level) / 2, (1 + level) / 2], axis=1)
-            covered = ((low <= printed) & (printed <= high)).mean()
-            assert covered == pytest.approx(level, abs=0.03)
+    number, shape = np.full(4000, runs), (4000, runs + 30)
+    normal, exponential = random.normal(5, 2, shape), random.exponential(2, shape)
+    own, later = np.split(normal, [runs], axis=1)
+    points = mean_points("jump_start", own.mean(axis=1), own.std(axis=1, ddof=1), number)
+    assert coverage_of(points, later.mean(axis=1), level) == pytest.approx(level, abs=0.03)
+    own, later = np.split(exponential, [runs], axis=1)
+    points = deviation_points(own.std(axis=1, ddof=1), number)
+    assert coverage_of(points, later.std(axis=1, ddof=1), level) == pytest.approx(level, abs=0.1)
+    own, later = np.split(normal, [runs], axis=1)
+    points = deviation_points(own.std(axis=1, ddof=1), number)
+    assert coverage_of(points, later.std(axis=1, ddof=1), level) > level + 0.05  # too wide without tails
 
 
 # -- mixtures
@@ -205,7 +210,7 @@ def test_two_settings_with_spread_give_the_quantiles_of_the_mixture():
         np.testing.assert_allclose(share_below(own), LEVELS, atol=1 / POINTS)
 
     def share_of_deviations(value: np.ndarray) -> np.ndarray:
-        return (stats.f.cdf((value / 30) ** 2, 29, 9) + stats.f.cdf((value / 60) ** 2, 29, 39)) / 2
+        return (stats.f.cdf((value / 30) ** 2, 29 / 4, 9 / 4) + stats.f.cdf((value / 60) ** 2, 29 / 4, 39 / 4)) / 2
 
     own = quantiles_of(predictions, PRIOR, "sd", "jump_start")
     np.testing.assert_allclose(share_of_deviations(own), LEVELS, atol=1 / POINTS)
