@@ -39,13 +39,7 @@ from ptl.measures.scoring import CELL, CONDITIONAL, LEVELS, MEAN, PREDICTION_COL
 from ptl.measures.statistics import named_generator
 from ptl.report.table_kinds import KINDS
 from ptl.text import number, percent
-from studies.multiverse.judging import STRICT
-
-DRAWN = r"setting_\d+"
-"""Names of the settings that were drawn."""
-
-BEST = 0.25
-"""Share of the settings behind the conditional prediction: those in which most claims hold (chosen)."""
+from studies.multiverse.shares import BEST, best_weights, drawn, held
 
 POINTS = 40
 """Points of the distribution of a setting, each with the same probability."""
@@ -90,22 +84,19 @@ def cells(environments: Sequence[str], methods: Sequence[str]) -> Iterator[Cell]
 
 def prior_weights(estimates: pd.DataFrame) -> pd.Series:
     """Return the weight of each drawn setting by its name; all are equal."""
-    names = estimates["setting"].drop_duplicates()
-    names = names[names.str.fullmatch(DRAWN)]
-    if names.empty:
+    names = drawn(estimates)["setting"].unique()
+    if not len(names):
         raise UserError("multiverse, predictions: no setting was drawn; learn the settings first")
-    return pd.Series(1 / len(names), index=pd.Index(names, name="setting"))
+    return pd.Series(1 / len(names), index=names)
 
 
 def shares_of_claims(verdicts: pd.DataFrame) -> pd.Series:
     """Return the share of claims that hold in each drawn setting, among those that are decided in it.
 
-    Claims are read as in the ledger of the run: task F, one step of tolerance, as many runs as there are, strict words.
+    Claims are read strictly, on task F where they leave the task open, with the default tolerance and, for "not
+    significant", at the article's number of runs (`studies.multiverse.shares.reading_of`).
     """
-    rows = (verdicts["words"] == STRICT) & verdicts["setting"].str.fullmatch(DRAWN)
-    for field, value in DEFAULT._asdict().items():
-        rows &= verdicts[field].isna() if value is None else verdicts[field] == value
-    return verdicts[rows].groupby("setting", sort=False)["holds"].mean().dropna()
+    return held(drawn(verdicts), DEFAULT.tasks).mean(axis=1).dropna()
 
 
 def conditional_weights(verdicts: pd.DataFrame) -> pd.Series:
@@ -116,11 +107,8 @@ def conditional_weights(verdicts: pd.DataFrame) -> pd.Series:
     shares = shares_of_claims(verdicts)
     if shares.empty:
         raise UserError("multiverse, predictions: no claim is decided in a drawn setting; judge the settings first")
-    wanted = BEST * len(shares)
-    by_share = shares.groupby(shares).size().sort_index(ascending=False)
-    before = by_share.cumsum() - by_share
-    parts = ((wanted - before) / by_share).clip(0, 1)
-    return shares.map(parts) / wanted
+    weights = best_weights(shares)
+    return weights / weights.sum()
 
 
 # -- distributions of one setting ----------------------------------------------------------------------------------
@@ -185,10 +173,10 @@ def predict(
         If a cell was learned in no setting.
     """
     weights = {PRIOR: prior_weights(estimates), CONDITIONAL: conditional_weights(verdicts)}
-    drawn = estimates[estimates["setting"].isin(weights[PRIOR].index) & estimates["sd"].notna()]
+    cloud = drawn(estimates)
     groups = {
         tuple(map(str, names)): part.set_index("setting")[["mean", "sd", "seeds"]]
-        for names, part in drawn.groupby(["environment", "tasks", "method", "measure"], sort=False)
+        for names, part in cloud[cloud["sd"].notna()].groupby(["environment", "tasks", "method", "measure"], sort=False)
     }
     rows: list[tuple[object, ...]] = []
     for cell in cells(environments, methods):
@@ -283,8 +271,9 @@ Do you have the article? Type its tables in and score them:
 * `prior`: all settings that were drawn, with equal weights ({_span(settings.loc[PRIOR])} settings a cell).
 * `conditional`: the {percent(BEST)} of the settings in which most of the article's claims hold, {percent(edge)} or more
   of those decided in a setting; settings of this share fill up the rest with equal parts of their weight
-  ({_span(settings.loc[CONDITIONAL])} settings a cell). Claims are read as in the ledger: task {DEFAULT.tasks}, a
-  tolerance of {DEFAULT.tolerance} step, as many runs as there are, strict words.
+  ({_span(settings.loc[CONDITIONAL])} settings a cell). Claims are read strictly, on task {DEFAULT.tasks} where they
+  leave the task open, with a tolerance of {DEFAULT.tolerance} step, and as of {ARTICLE_RUNS} runs where they speak of
+  significance.
 
 Column `settings` is the number of settings behind a cell; some methods were learned in a part of them only.
 `first_episode` is no column of our tables, but the article may print it instead of the jump start. Tasks are B to F.

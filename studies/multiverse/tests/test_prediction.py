@@ -13,10 +13,11 @@ from click.testing import CliRunner
 from projects import ROOT
 from scipy import stats
 
+from ptl.claims.degrees import PLAIN, STRICT
 from ptl.cli.score import command
 from ptl.errors import UserError
 from ptl.measures.scoring import CELL, CONDITIONAL, LEVELS, PRIOR, QUANTILES, read_predictions
-from studies.multiverse.judging import ESTIMATE_COLUMNS, SHOWN, STRICT, VERDICT_COLUMNS
+from studies.multiverse.judging import ESTIMATE_COLUMNS, JUDGED, LIMIT, SHOWN, VERDICT_COLUMNS
 from studies.multiverse.prediction import (
     POINTS,
     cells,
@@ -27,6 +28,7 @@ from studies.multiverse.prediction import (
     prior_weights,
     write_predictions,
 )
+from studies.multiverse.shares import reading_of
 
 ENVIRONMENTS = ("env1", "env2", "env3")
 METHODS = ("no_transfer", "full_transfer", "policy_reuse", "ptl", "ptl_supervised", "ptl_unknown_goal")
@@ -57,15 +59,16 @@ def estimates_of(settings: dict[str, tuple[float, float, int]], methods: Iterabl
 
 
 def verdicts_of(shares: dict[str, float], claims: int = 4) -> pd.DataFrame:
-    """Verdicts in which these shares of the claims hold by the default readings, and none by another."""
+    """Verdicts in which these shares of the first claims hold as they are read here, the opposite otherwise."""
     rows = []
     for name, share in shares.items():
-        for claim in range(claims):
-            holds = float(claim < share * claims)
-            rows.append((name, f"C{claim}", STRICT, "F", 1, np.nan, holds, 1, int(holds)))
-            for other in (("plain", "F", 1, np.nan), (STRICT, "B", 1, np.nan), (STRICT, "F", 0, np.nan)):
-                rows.append((name, f"C{claim}", *other, 1 - holds, 1, 0))
-            rows.append((name, f"C{claim}", STRICT, "F", 1, 30, 1 - holds, 1, 0))
+        for place, claim in enumerate(JUDGED[:claims]):
+            holds = float(place < share * claims)
+            for words in (STRICT, PLAIN):
+                for reading in claim.readings():
+                    runs = LIMIT if reading.runs is None else str(reading.runs)
+                    value = holds if words == STRICT and reading == reading_of(claim, "F") else 1 - holds
+                    rows.append((name, claim.id, words, reading.tasks, reading.tolerance, runs, value, 1, int(value)))
     return pd.DataFrame(rows, columns=list(VERDICT_COLUMNS))
 
 
@@ -123,7 +126,7 @@ def test_conditional_weights_add_up(number: int):
 
 def test_undecided_claims_do_not_count():
     verdicts = verdicts_of({setting(0): 0.5, setting(1): 0.75, setting(2): 0.5, setting(3): 0.5})
-    undecided = (verdicts["setting"] == setting(0)) & verdicts["claim"].isin(["C2", "C3"])
+    undecided = (verdicts["setting"] == setting(0)) & verdicts["claim"].isin([claim.id for claim in JUDGED[2:4]])
     verdicts.loc[undecided, "holds"] = np.nan
     assert conditional_weights(verdicts)[setting(0)] == 1
 
