@@ -131,7 +131,13 @@ class Multiverse(Group, frozen=True, kw_only=True):
     seed: Annotated[int, key("Seed of the draw.", ge=0, le=2**63 - 1)]
     block: Annotated[int, key("Settings in one file.", ge=1, le=10**4)]
     step_budget: Annotated[
-        int, key("Steps after which a method begins no further run in an environment.", ge=1, le=10**15)
+        int,
+        key(
+            "Steps for each planned run; a method that has taken those of all of them begins no further run in an"
+            " environment.",
+            ge=1,
+            le=10**10,
+        ),
     ]
     methods: Annotated[dict[Annotated[str, key("", **METHOD)], Effort], key("Effort by method.")]
     growth: Growth

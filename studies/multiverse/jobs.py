@@ -29,7 +29,7 @@ class Block(Job, frozen=True, kw_only=True, tag="multiverse/1"):
     points: Annotated[list[Point], Meta(description="settings")]
     measures: Annotated[Measures, Meta(description="settings of the measures before the changes")]
     tasks: Annotated[dict[str, str], Meta(description="goal letters of each environment, in order")]
-    step_budget: Annotated[Positive, Meta(description="steps after which a method begins no further run")]
+    step_budget: Annotated[Positive, Meta(description="steps for each planned run of a method")]
     growth_environment: Annotated[Word, Meta(description="environment of the growing library")]
     growth_tasks: Annotated[Positive, Meta(description="tasks in one of its lives")]
 
@@ -200,7 +200,7 @@ def cost_of(jobs: Iterable[Block], worlds: Mapping[str, GridWorld]) -> Cost:
             for name, letters in job.tasks.items():
                 one = steps_of_life(worlds[name], letters, learning)
                 steps += sum(
-                    min(seeds * one * COSTLY.get(method, 1), job.step_budget) for method, seeds in point.seeds.items()
+                    seeds * min(one * COSTLY.get(method, 1), job.step_budget) for method, seeds in point.seeds.items()
                 )
             world = worlds[job.growth_environment]
             steps += point.growth_runs * job.growth_tasks * steps_of_task(world.n_states, world.diagonal, learning)

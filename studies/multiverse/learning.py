@@ -59,8 +59,8 @@ def learn_point(
 ) -> dict[str, np.ndarray]:
     """Learn one setting.
 
-    A method that has taken more than ``step_budget`` steps in an environment begins no further run there; ``status``
-    records this, and any failure, whose traceback goes to stderr.
+    A method that has taken more than ``step_budget`` steps for each of its planned runs in an environment begins no
+    further run there; ``status`` records this, and any failure, whose traceback goes to stderr.
 
     Parameters
     ----------
@@ -87,7 +87,14 @@ def learn_point(
             for method, seeds in point.seeds.items():
                 names = (STREAM, point.name, environment)
                 lives = learn_lives(
-                    own[environment], letters, method, settings, root_seed, range(seeds), *names, budget=step_budget
+                    own[environment],
+                    letters,
+                    method,
+                    settings,
+                    root_seed,
+                    range(seeds),
+                    *names,
+                    budget=step_budget * seeds,
                 )
                 if len(lives["seeds"]) < seeds:
                     remarks.append(f"{environment}, {method}: given up after {len(lives['seeds'])} of {seeds} seeds")

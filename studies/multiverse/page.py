@@ -178,8 +178,8 @@ def method_lines(study: Multiverse, incomplete: int) -> list[str]:
     return [
         f"{number(study.settings)} settings, drawn from everything in the table above at once. Learning runs of each"
         f" environment: {effort}. Named settings: {number(study.named_seeds)} of each method.",
-        f"In {number(incomplete)} settings a method was given up in an environment after"
-        f" {number(study.step_budget)} steps; the runs that it finished count.",
+        f"In {number(incomplete)} settings a method was given up in an environment after {number(study.step_budget)}"
+        " steps for each of its runs; the runs that it finished count.",
         *(f"Not judged: {claim}, which {reason}." for claim, reason in NOT_JUDGED.items()),
         "Every number of each setting: verdicts.csv.gz, estimates.csv.gz and settings.csv.",
     ]
