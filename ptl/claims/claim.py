@@ -54,11 +54,15 @@ class Claim:
         return Judgement(self, decide(parts), parts, notes, plain=plain)
 
     def _items(self, evidence: Evidence) -> Iterator[Part | str]:
-        """Yield the parts and notes; a part uses the runs asked for since the one before, or before the first."""
+        """Yield the parts and notes; a part uses the runs asked for since the one before, and before the first.
+
+        A part for which nothing was asked for was made from the runs of the one before.
+        """
         first: frozenset[tuple[str, str]] | None = None
+        used: frozenset[tuple[str, str]] = frozenset()
         evidence.used.clear()
         for item in self.check(evidence):
-            used = frozenset(evidence.used)
+            used = frozenset(evidence.used) or used
             first = used if first is None else first
             yield replace(item, uses=first | used) if isinstance(item, Part) else item
             evidence.used.clear()

@@ -152,6 +152,15 @@ def test_a_part_uses_the_runs_that_it_was_made_from() -> None:
     assert {full, ("env2", "ptl")} <= uses["task F, episodes of full_transfer over those of ptl"]
 
 
+def test_parts_in_a_row_use_the_curves_that_they_share() -> None:
+    [curves] = [claim for claim in claims.CLAIMS if claim.id == "curves"]
+    parts = curves.judge(MadeUpRun().evidence()).parts
+    for part in parts:
+        environment = part.text.partition(",")[0]
+        other = part.text.removesuffix(" minus ptl").rpartition(", ")[2]
+        assert {(environment, "ptl"), (environment, other)} <= part.uses
+
+
 def test_looking_often_errs_no_more_often_than_stated() -> None:
     """A bound that is true is rejected at some look in at most 5% of the sequences."""
     looks = (20, 40, 80, 160)
