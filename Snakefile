@@ -1,5 +1,6 @@
 # The published study, with the workflow of this checkout. `ptl new-study` makes folders with a Snakefile like this one.
 
+from ptl.cli.forks import shell_prefix, start_server
 from ptl.files.lock import begin_run
 
 
@@ -18,3 +19,4 @@ use rule * from ptl
 
 onstart:
     begin_run(f"results/{config['run']}", f"reports/{config['run']}")
+    shell.prefix(shell_prefix(start_server()))

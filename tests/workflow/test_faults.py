@@ -62,12 +62,24 @@ def kill_snakemake_only(run: subprocess.Popen) -> bool:
     return True
 
 
+def servers(run: subprocess.Popen) -> list[psutil.Process]:
+    """The process that jobs are forked from, in a list that is empty before it is started."""
+    return [process for process in psutil.Process(run.pid).children() if "ptl.cli.forks" in process.cmdline()]
+
+
 def kill_one_job(run: subprocess.Popen) -> bool:
     """Kill one process of a job; False if none is running."""
-    jobs = [process for process in psutil.Process(run.pid).children(recursive=True) if "ptl" in process.cmdline()]
+    jobs = [job for server in servers(run) for job in server.children()]
     for process in jobs[:1]:
         process.kill()
     return bool(jobs)
+
+
+def kill_server(run: subprocess.Popen) -> bool:
+    """Kill the process that jobs are forked from; False if there is none."""
+    for process in servers(run):
+        process.kill()
+    return bool(servers(run))
 
 
 def disturb(project: Project, kill: Callable, moment: float, *arguments: str) -> bool:
@@ -105,7 +117,7 @@ def test_killed_runs_end_in_the_same_bytes(undisturbed, tmp_path, record_propert
     chance = random.Random(SEED)
     project = Project(tmp_path / "killed")
     hits = 0
-    for kill in (kill_all, kill_snakemake_only, kill_one_job):
+    for kill in (kill_all, kill_snakemake_only, kill_one_job, kill_server):
         # The first third of a run is the start of Snakemake itself.
         moment = undisturbed.seconds * chance.uniform(0.2, 0.6)
         hits += disturb(project, kill, moment, *TARGETS)
@@ -121,7 +133,7 @@ def test_killed_runs_end_in_the_same_bytes(undisturbed, tmp_path, record_propert
 @pytest.mark.slow
 @pytest.mark.exhaustive
 def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_property):
-    """Every product of the smoke run, killed in turn as a whole, without its jobs, and in one job."""
+    """Every product of the smoke run, killed in turn as a whole, without its jobs, in one job, and in their server."""
     chance = random.Random(f"{SEED} smoke")
     config = ("--configfile", "config/smoke.yaml")
     reference, project = Project(tmp_path / "reference", None), Project(tmp_path / "killed", None)
@@ -129,7 +141,7 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
     reference.make(*config)
     seconds = time.monotonic() - started
     hits = 0
-    kills = itertools.cycle((kill_all, kill_snakemake_only, kill_one_job))
+    kills = itertools.cycle((kill_all, kill_snakemake_only, kill_one_job, kill_server))
     while hits < 6:
         if disturb(project, next(kills), seconds * chance.uniform(0.1, 0.5), *config):
             hits += 1

@@ -2,12 +2,12 @@
 
 import json
 import os
-import shlex
 import sys
 from pathlib import Path
 
 from ptl import methods
 from ptl.claims.decision import decision_jobs, goes_on
+from ptl.cli.forks import shell_prefix
 from ptl.errors import UserError
 from ptl.files import aging
 from ptl.files.checkout import check_checkout
@@ -56,12 +56,7 @@ try:
 except UserError as error:
     refuse(error)
 
-# Every job calls the `ptl` of the Python that runs Snakemake, regardless of the path. Jobs are single-threaded;
-# without the settings each one starts a pool of idle threads.
-shell.prefix(
-    "set -euo pipefail; export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 MPLBACKEND=Agg; "
-    f'ptl() {{{{ {shlex.quote(sys.executable)} -m ptl "$@"; }}}}; '
-)
+shell.prefix(shell_prefix())
 
 JOBS = {**LEARNING, **MISLEADING, **GROWTH, **SURVEYS, **BATCHES, **DECISION}
 LAST_LOOK = len(RUN.decision.looks)
