@@ -11,6 +11,7 @@ import base64
 import hashlib
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import lru_cache
 from typing import Annotated, Any, ClassVar, TypeVar
 
 import msgspec
@@ -105,7 +106,12 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
     @property
     def settings(self) -> Parameters:
         """The hyper-parameters; groups that the job does not read have their defaults."""
-        return Parameters.from_dict(self.parameters)
+        return _settings(msgspec.json.encode(self.parameters))
+
+
+@lru_cache(maxsize=8)  # the jobs of a run share theirs, and checking them takes as long as some tasks
+def _settings(parameters: bytes) -> Parameters:
+    return Parameters.from_dict(msgspec.json.decode(parameters))
 
 
 def digest_of_text(text: str) -> str:

@@ -21,7 +21,7 @@ from typing import Any
 
 import h5py
 import numpy as np
-from h5py import h5d, h5g, h5l, h5o, h5s
+from h5py import h5d, h5f, h5g, h5l, h5o, h5p, h5s, h5t
 
 import ptl
 from ptl.errors import UserError, printable
@@ -111,13 +111,27 @@ def write_arrays(
     buffer = io.BytesIO()  # in memory, because the HDF5 library crashes when the disk is full
     with h5py.File(buffer, "w", libver="v110") as file:
         file.attrs.update({**attributes, "versions": _json(versions)})
-        for name, values in arrays.items():
-            options = {"compression": "gzip", "shuffle": True} if np.size(values) > 1000 else {}
-            file.create_dataset(name, data=values, track_times=False, **options)
+        groups = {"": file}
+        for place, values in arrays.items():
+            parent, _, name = place.rpartition("/")
+            if parent not in groups:
+                groups[parent] = file.create_group(parent)
+            _create(groups[parent], name, values)
     image = buffer.getvalue()
     seal = f"\njob {digest}, sha256 of all bytes before this line {hashlib.sha256(image).hexdigest()}\n"
     with atomic_path(path) as temporary:
         temporary.write_bytes(image + seal.encode())
+
+
+def _create(group: h5py.Group, name: str, values: np.ndarray) -> None:
+    """Write an array; most are small, and for these the low-level interface takes a third of the time."""
+    if np.size(values) > 1000:
+        group.create_dataset(name, data=values, track_times=False, compression="gzip", shuffle=True)
+        return
+    data, creation = np.asarray(values, order="C"), h5p.create(h5p.DATASET_CREATE)
+    creation.set_obj_track_times(False)
+    kind, space = h5t.py_create(data.dtype, logical=True), h5s.create_simple(data.shape)
+    h5d.create(group.id, name.encode(), kind, space, creation).write(h5s.ALL, h5s.ALL, data)
 
 
 def _json(value: Any) -> str:
@@ -161,7 +175,7 @@ def read_arrays(path: str | os.PathLike[str]) -> tuple[dict[str, np.ndarray], di
         remedy = "check the path, or run the workflow to make it" if error.missing else AGAIN
         raise UserError(f"{path}: {'no such file' if error.missing else error.reason}; {remedy}") from error
     try:
-        with h5py.File(io.BytesIO(_unsealed(content)), "r") as file:
+        with h5py.File(h5f.open_file_image(_unsealed(content))) as file:
             arrays = dict(_arrays(h5g.open(file.id, b"/"), "", [MAX_BYTES]))
             return arrays, dict(file.attrs)
     except Exception as error:  # the HDF5 library reports damage by exceptions of many types
