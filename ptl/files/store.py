@@ -215,11 +215,11 @@ def _arrays(group: h5g.GroupID, where: str, bytes_left: list[int]) -> Iterator[t
         if isinstance(item, h5g.GroupID):
             yield from _arrays(item, f"{place}/", bytes_left)
             continue
-        creation, dtype = item.get_create_plist(), item.dtype
-        bytes_left[0] -= math.prod(item.shape) * dtype.itemsize
+        creation, shape, dtype = item.get_create_plist(), item.shape, item.dtype
+        bytes_left[0] -= math.prod(shape) * dtype.itemsize
         if creation.get_external_count() or creation.get_layout() == h5d.VIRTUAL or bytes_left[0] < 0:
             raise Misfit(f"{place}: is stored elsewhere, or more than {MAX_BYTES} bytes are asked for")
-        values = np.empty(item.shape, dtype)
+        values = np.empty(shape, dtype)
         if values.size:
             item.read(h5s.ALL, h5s.ALL, values)
         yield place, values
