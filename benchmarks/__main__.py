@@ -15,7 +15,7 @@ from benchmarks.learners import Problem
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
 from ptl.report.figures import saving
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 PEERS = {"gymnasium": "gymnasium", "jax": "jax", "mdp": "mdplib", "numba": "numba"}
 """Modules of the libraries that some learners come from, with their packages."""

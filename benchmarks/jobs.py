@@ -18,7 +18,7 @@ import yaml
 
 from ptl.config import Parameters
 from ptl.learning.life import learn_life, tasks_of
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 ROOT = Path(__file__).resolve().parents[1]
 

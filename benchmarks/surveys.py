@@ -16,7 +16,8 @@ import pandas as pd
 from ptl.agent._kernel import Dynamics
 from ptl.config import Parameters
 from ptl.learning._survey import Survey, subgoals_from
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 EVERY_STEP, TREES = "survey, every step simulated", "survey, with trees"
 METHODS = (EVERY_STEP, TREES)

@@ -18,7 +18,7 @@ __version__ = "1.0.0"
 
 _PLACES = {
     "GridWorld": "ptl.world.gridworld",
-    "load_map": "ptl.world.gridworld",
+    "load_map": "ptl.world.map_files",
     "Parameters": "ptl.config",
     "Task": "ptl.learning.life",
     "TaskRecord": "ptl.learning.life",

@@ -183,10 +183,43 @@ class ArticleItems(Group, frozen=True, kw_only=True, omit_defaults=True):
     ] = None
 
 
+MapFormat = Literal["text", "moving_ai", "ros", "labmaze", "frozen_lake", "point_maze", "maze2d"]
+"""Formats of map files, see `ptl.world.map_files`."""
+
+Place = Annotated[list[Annotated[int, Meta(ge=1, le=10**9)]], Meta(min_length=2, max_length=2)]
+
+
+class MapOptions(Group, frozen=True, kw_only=True, omit_defaults=True):
+    """What the file of a map leaves open; the options of commands have the same names."""
+
+    format: Annotated[MapFormat | None, key("Format of the file, if its content can be read in several ways.")] = None
+    start: Annotated[
+        Place | None,
+        key("Row and column of the start, counted from 1.", wanted="a row and a column, counted from 1: [3, 4]"),
+    ] = None
+    goals: Annotated[
+        list[Place],
+        key(
+            "Rows and columns of the goals A, B, ..., counted from 1.",
+            wanted="up to 25 rows and columns, counted from 1: [[3, 4], [5, 6]]",
+            max_length=25,
+        ),
+    ] = []  # noqa: RUF012 (msgspec copies it)
+    seed: Annotated[
+        Annotated[int, Meta(ge=0, le=2**63 - 1)] | None,
+        key("Seed with which a start and goals are drawn that nothing else gives; 0 if left out."),
+    ] = None
+    cell: Annotated[
+        float,
+        key("Metres of a cell of a ROS map, a multiple of its resolution; a cell is a pixel if 0.", ge=0, le=10**6),
+    ] = 0.0
+
+
 class Environment(Group, frozen=True, kw_only=True):
     """A map and its tasks."""
 
-    map: Annotated[str, key("Text file of the map, relative to the folder in which the workflow runs.", **PATH)]
+    map: Annotated[str, key("File of the map, relative to the folder in which the workflow runs.", **PATH)]
+    map_options: MapOptions = MapOptions()
     title: Annotated[str, key("Name in captions and figures; the environment's own name if empty.", **TITLE)] = ""
     tasks: Annotated[
         str,
@@ -263,7 +296,7 @@ class Growth(Group, frozen=True, kw_only=True):
 
     environment: Annotated[str, key("Environment whose map is used; the last one if empty.", **NAME_OR_NONE)] = ""
     tasks: Annotated[int, key("Tasks with random start and goal in one life.", STATED, ge=2, le=10**5)] = 30
-    runs: Annotated[int, key("Lives, each with a fresh library.", STATED, ge=1, le=10**5)] = 30
+    runs: Annotated[int, key("Lives, each with a fresh library; 0 for none.", STATED, ge=0, le=10**5)] = 30
     breakpoint: Annotated[int, key("Number of tasks after which growth slows down.", STATED, ge=1, le=10**5)] = 7
 
 
@@ -272,8 +305,8 @@ class SubgoalFrequencies(Group, frozen=True, kw_only=True):
 
     trajectories: Annotated[int, key("Successful episodes of each pair's task.", CHOSEN, ge=1, le=10**6)] = 30
     starts: Annotated[
-        Literal["all"] | Annotated[int, Meta(ge=1, le=10**6)],
-        key("All start states, or the size of a random sample of them (for a quick look only)."),
+        Literal["all"] | Annotated[int, Meta(ge=0, le=10**6)],
+        key("All start states, or the size of a random sample of them (for a quick look only); 0 for no survey."),
     ] = "all"
     batches: Annotated[
         int,
@@ -345,6 +378,9 @@ class Configuration(Parameters, frozen=True, kw_only=True):
             raise ConfigurationError.of_value(
                 "growth.environment", self.growth.environment, f"one of {', '.join(self.environments)}"
             )
+        if self.article and not (self.growth.runs and self.subgoal_frequencies.starts):
+            empty = "subgoal_frequencies.starts" if self.growth.runs else "growth.runs"
+            raise ConfigurationError(empty, "0 is not allowed with a map of the article, whose claims need it")
         _check_article_items(self.environments)
 
 

@@ -16,7 +16,7 @@ from ptl.errors import UserError
 from ptl.files.outside import local_sources
 from ptl.learning.trial import check_method
 from ptl.measures.measures import BASE
-from ptl.world.gridworld import load_map
+from ptl.world.gridworld import GridWorld
 
 PACKAGE = Path(__file__).parent
 
@@ -24,8 +24,8 @@ SKELETON = PACKAGE / "skeleton"
 """Files of a new study."""
 
 SURVEYED_WHOLE = 400
-"""States up to which a new study surveys all start states; a larger map gets a sample, because the cost of the survey
-grows with more than the square of the number of states."""
+"""States up to which a survey in a new study has all start states; a larger map gets a sample, because the cost of the
+survey grows with more than the square of the number of states."""
 
 
 def shared_folder(name: str) -> Path:
@@ -43,12 +43,14 @@ PROFILE = shared_folder("profiles") / "default"
 
 def new_study(
     folder: Path,
-    maps: Sequence[Path],
+    maps: Sequence[GridWorld],
     *,
     tasks: Sequence[str] = (),
     seeds: int | None = None,
     episodes: int | None = None,
     chosen: Sequence[str] = (),
+    survey: bool = False,
+    growth: bool = False,
 ) -> dict[str, Any]:
     """Make a folder in which the workflow runs on a user's maps, and return its configuration.
 
@@ -56,8 +58,8 @@ def new_study(
     ----------
     folder : path
         Must be absent or empty; the run gets its name.
-    maps : sequence of paths
-        Each map becomes an environment, named after the file's stem.
+    maps : sequence of GridWorld
+        Each map becomes an environment, named after the stem of its file; the folder gets its text.
     tasks : sequence of str
         Goal letters in the order in which they are learned: ``"BAC"`` for every map, ``"maze=BAC"`` for one.
         By default all goals of a map in alphabetical order.
@@ -65,6 +67,9 @@ def new_study(
     chosen : sequence of str
         Methods as `ptl.methods` names them. Files, and modules of the current folder, are copied into the study with
         their imports from there. By default all built-in methods.
+    survey, growth : bool
+        Whether subgoals are surveyed over all pairs of start and goal, and a library is grown over random tasks. Both
+        take long on large maps.
 
     Raises
     ------
@@ -72,12 +77,13 @@ def new_study(
         One line on the first error, before anything is written.
     """
     run = run_name(folder)
-    places: dict[str, Path] = {}
-    for path in maps:
-        if (name := _environment(path.stem)) in places:
-            raise UserError(f"maps {places[name]} and {path} are both called {name}; rename one of the files")
-        places[name] = path
-    worlds = {name: load_map(path) for name, path in places.items()}
+    worlds: dict[str, GridWorld] = {}
+    for world in maps:
+        if (name := _environment(Path(world.name).stem)) in worlds:
+            raise UserError(
+                f"maps {worlds[name].name} and {world.name} are both called {name}; rename one of the files"
+            )
+        worlds[name] = world
     orders = _orders(tasks, {name: list(world.goals) for name, world in worlds.items()})
     built_in = sorted(methods.names(), key=lambda name: name != BASE)  # the base first, as readers expect it
     references = methods.by_identifier(chosen or built_in).values()
@@ -86,19 +92,25 @@ def new_study(
     config: dict[str, Any] = {
         "run": run,
         "environments": {
-            name: {"title": path.stem, "map": f"maps/{name}.txt", "tasks": orders[name]}
-            for name, path in places.items()
+            name: {"title": Path(world.name).stem, "map": f"maps/{name}.txt", "tasks": orders[name]}
+            for name, world in worlds.items()
         },
         "methods": [name_in_study(reference) for reference in references],
     }
     if seeds is not None:
-        config |= {"seeds": seeds, "growth": {"runs": seeds}}
+        config["seeds"] = seeds
     if episodes is not None:
         config["learning"] = {"episodes": episodes}
-    if max(world.n_states for world in worlds.values()) > SURVEYED_WHOLE:
+    if not growth:
+        config["growth"] = {"runs": 0}
+    elif seeds is not None:
+        config["growth"] = {"runs": seeds}
+    if not survey:
+        config["subgoal_frequencies"] = {"starts": 0}
+    elif max(world.n_states for world in worlds.values()) > SURVEYED_WHOLE:
         config["subgoal_frequencies"] = {"starts": 20}
     Configuration.from_dict(config)
-    files = {Path("maps", f"{name}.txt"): path for name, path in places.items()}
+    files: dict[Path, Path | str] = {Path("maps", f"{name}.txt"): world.text for name, world in worlds.items()}
     write_study(folder, config, files | method_files(references), SKELETON)
     return config
 
@@ -137,18 +149,21 @@ def method_files(references: Iterable[str]) -> dict[Path, Path]:
     return kept
 
 
-def write_study(folder: Path, config: Mapping[str, Any], files: Mapping[Path, Path], skeleton: Path) -> None:
-    """Copy a skeleton, the profile, and files by their place; fill in the configuration.
+def write_study(folder: Path, config: Mapping[str, Any], files: Mapping[Path, Path | str], skeleton: Path) -> None:
+    """Copy a skeleton, the profile, and files (or write texts) by their place; fill in the configuration.
 
     A key in braces in the skeleton's README.md, such as ``{run}``, is replaced by its value.
     """
-    sources = dict(files)
+    sources: dict[Path, Path | str] = dict(files)
     for place, tree in (("", skeleton), ("profiles/default", PROFILE)):
-        sources |= {place / path.relative_to(tree): path for path in tree.rglob("*") if path.is_file()}
+        sources |= {Path(place, path.relative_to(tree)): path for path in tree.rglob("*") if path.is_file()}
     try:
-        for name, path in sources.items():
+        for name, source in sources.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(path, folder / name)
+            if isinstance(source, str):
+                (folder / name).write_text(source, encoding="utf-8", newline="")
+            else:
+                shutil.copyfile(source, folder / name)
         readme = (folder / "README.md").read_text(encoding="utf-8")
         for key, value in config.items():
             readme = readme.replace(f"{{{key}}}", str(value))

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from projects import MAPS, Project
 
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 
 def pytest_configure() -> None:

@@ -11,7 +11,7 @@ from projects import FIRST_MAPS
 from ptl.claims.evidence import Evidence, settings_of
 from ptl.learning.discoveries import SubgoalRow
 from ptl.measures.measures import Runs, measure
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 ENVIRONMENTS, TASKS = ("env1", "env2", "env3"), "ABCDEF"
 BASE, FULL, REUSE = "no_transfer", "full_transfer", "policy_reuse"

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import TYPE_CHECKING
+
 import click
+
+from ptl.cli._maps import map_options, read_maps
+
+if TYPE_CHECKING:
+    from ptl.config import MapOptions
 
 SEED = click.IntRange(0, 2**63 - 1)
 
 
 @click.command()
-@click.option("--map", "map_path", required=True, type=click.Path(), help="Text file of the map.")
+@click.option("--map", "map_path", required=True, type=click.Path(path_type=Path), help="File of the map.")
 @click.option("--environment", help="Name of the environment in files and tables; by default that of the map's file.")
 @click.option("--tasks", help="Goal letters in the order of the tasks, e.g. ABCDEF; by default all goals.")
 @click.option("--method", default="ptl", show_default=True,
@@ -19,8 +27,9 @@ SEED = click.IntRange(0, 2**63 - 1)
               help="Seed from which all streams derive.")  # fmt: skip
 @click.option("--parameters", default="{}", help="Hyper-parameters as JSON; missing ones take their defaults.")
 @click.option("--output", type=click.Path(), help="HDF5 file to write; by default ENVIRONMENT_METHOD_SEED.h5.")
+@map_options
 def command(
-    map_path: str,
+    map_path: Path,
     environment: str | None,
     tasks: str | None,
     method: str,
@@ -29,10 +38,9 @@ def command(
     root_seed: int,
     parameters: str,
     output: str | None,
+    options: MapOptions,
 ) -> None:
     """Learn a sequence of tasks and write Q-tables, steps, subgoals and the skill library."""
-    from pathlib import Path
-
     import msgspec
 
     from ptl import methods
@@ -43,15 +51,15 @@ def command(
     from ptl.files.outside import configured, learning_code, values_of
     from ptl.jobs.learn import Learn
     from ptl.keys import allowed
-    from ptl.world.gridworld import load_map, map_digest
+    from ptl.world.gridworld import map_digest
 
     own = values_of(method_parameters)
     configured(method, own)
     chosen = Parameters.from_json(parameters).to_dict()
-    world = load_map(map_path)
+    (world,) = read_maps([map_path], options)
     tasks = "".join(world.goals) if tasks is None else tasks
     check_tasks(tasks, world.goals)
-    environment = environment or Path(map_path).stem
+    environment = environment or map_path.stem
     try:
         msgspec.convert(environment, Name)
     except msgspec.ValidationError:

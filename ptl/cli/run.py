@@ -20,17 +20,25 @@ class _Given(dict[str, Any]):
 @click.command()
 @click.option("--job", "text", required=True, help="The job as JSON, as the workflow passes it.")
 @click.option("--map", "maps", multiple=True, help="ENVIRONMENT=FILE: the map of an environment.")
+@click.option("--map-options", multiple=True,
+              help="ENVIRONMENT=JSON: what its file leaves open, as map_options of the configuration.")  # fmt: skip
 @click.option("--output", required=True, type=click.Path(path_type=Path), help="HDF5 file to write.")
-def command(text: str, maps: tuple[str, ...], output: Path) -> None:
+def command(text: str, maps: tuple[str, ...], map_options: tuple[str, ...], output: Path) -> None:
     """Do the work that a job describes, and write its result file."""
+    import msgspec
+
     from ptl.cli._progress import shown
     from ptl.errors import UserError
     from ptl.files import store
     from ptl.jobs.kinds import job_from
-    from ptl.world.gridworld import load_map, map_digest
+    from ptl.world.gridworld import map_digest
+    from ptl.world.map_files import load_map
 
     job = job_from(text)
-    worlds = _Given((name, load_map(path)) for name, _, path in (given.partition("=") for given in maps))
+    options = {name: msgspec.json.decode(given) for name, _, given in (item.partition("=") for item in map_options)}
+    worlds = _Given(
+        (name, load_map(path, **options.get(name, {}))) for name, _, path in (given.partition("=") for given in maps)
+    )
     for name, digest in job.maps.items():
         if name in worlds and map_digest(worlds[name].text) != digest:
             raise UserError(f"--map: {name}: is not the map of the job; it was changed during the run, so run it again")

@@ -3,25 +3,36 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
+
+from ptl.cli._maps import map_options, read_maps
+
+if TYPE_CHECKING:
+    from ptl.config import MapOptions
+
+MAX_SHOWN = 200
+"""Maximum number of rows and columns of a map that is printed."""
 
 
 @click.command()
 @click.argument("maps", nargs=-1, required=True, type=click.Path(path_type=Path))
-def command(maps: tuple[Path, ...]) -> None:
-    """Check MAPS and print each with its states, tasks and shortest paths."""
-    from ptl.world.gridworld import load_map
+@map_options
+def command(maps: tuple[Path, ...], options: MapOptions) -> None:
+    """Check MAPS and print each with its states, tasks and shortest paths.
 
-    for path in maps:
-        world = load_map(path)
+    Maps are texts of this package, Moving AI .map (with its .scen), ROS map_server (.yaml or .pgm), labmaze,
+    FrozenLake, PointMaze and maze2d.
+    """
+    for path, world in zip(maps, read_maps(maps, options), strict=True):
         rows, columns = world.shape
         click.echo(f"{path}: {rows} x {columns} cells, {world.n_states} states, diagonal {world.diagonal:.1f}")
-        click.echo(world.text)
-        row, column = world.cells[world.start]
-        click.echo("places as row and column, counted from 0:")
+        click.echo(world.text if max(rows, columns) <= MAX_SHOWN else "the map is too large to be printed")
+        row, column = world.cells[world.start] + 1
+        click.echo("places as row and column, counted from 1:")
         click.echo(f"start I  at row {row}, column {column}")
+        distance = world.distances_to(world.start)
         for letter, goal in world.goals.items():
-            row, column = world.cells[goal]
-            steps = world.shortest_path_length(world.start, goal)
-            click.echo(f"goal  {letter}  at row {row}, column {column}, {steps} steps from the start")
+            row, column = world.cells[goal] + 1
+            click.echo(f"goal  {letter}  at row {row}, column {column}, {distance[goal]} steps from the start")

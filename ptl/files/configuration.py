@@ -18,7 +18,7 @@ from ptl.files.outside import configured
 from ptl.files.regular import NotReadable, read_bytes
 from ptl.keys import ConfigurationError, Group
 from ptl.learning.trial import check_method
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import read_map
 
 MAX_BYTES = 2**20
 """Maximum size of a configuration file."""
@@ -75,7 +75,7 @@ def completed(config: Mapping[str, Any]) -> Configuration:
 def expected_of(environments: Mapping[str, Environment], seeds: int, learning: Learning) -> Expected:
     """Return the episodes that results of other programs need for a comparison with a run."""
     return Expected(
-        worlds={name: load_map(entry.map) for name, entry in environments.items()},
+        worlds={name: read_map(entry.map, entry.map_options).world for name, entry in environments.items()},
         tasks={name: entry.tasks for name, entry in environments.items()},
         seeds=seeds,
         episodes=learning.episodes,
@@ -104,7 +104,7 @@ def _completed_foreign(
 
 def _completed_entry(name: str, entry: Environment) -> Environment:
     check_text(f"environments.{name}.title", entry.title)
-    goals = load_map(entry.map).goals
+    goals = read_map(entry.map, entry.map_options).world.goals
     tasks = entry.tasks or "".join(goals)
     check_tasks(tasks, goals, f"environments.{name}.tasks")
     discovery_tasks = entry.discovery_tasks or tasks[-3:]

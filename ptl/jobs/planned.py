@@ -92,7 +92,7 @@ def growth_jobs(run: Configuration, maps: Digests) -> dict[str, Grow]:
 
 
 def survey_jobs(run: Configuration, maps: Digests) -> dict[str, Survey]:
-    """Return the survey jobs, one for each environment; `Survey.parts` shares one out to batches."""
+    """Return the survey jobs, one for each environment or none; `Survey.parts` shares one out to batches."""
     code = sources_of("ptl.learning.survey")
     survey = run.subgoal_frequencies
     return _by_place(
@@ -105,7 +105,7 @@ def survey_jobs(run: Configuration, maps: Digests) -> dict[str, Survey]:
             trajectories=survey.trajectories,
             starts=survey.starts,
         )
-        for environment in run.environments
+        for environment in (run.environments if survey.starts else ())
     )
 
 

@@ -95,7 +95,7 @@ def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:
     grown = run.growth.runs + (run.decision.looks[0] if run.article else 0)
     steps += grown * run.growth.tasks * steps_of_task(world.n_states, world.diagonal, run.learning)
     learning = len(run.environments) * sum(seeds.values())
-    jobs = learning + run.growth.runs + len(run.environments) * survey.batches
+    jobs = learning + run.growth.runs + len(run.environments) * survey.batches * bool(survey.starts)
     return Cost(
         jobs=jobs,
         steps=steps,

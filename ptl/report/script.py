@@ -17,7 +17,8 @@ from ptl.errors import UserError
 from ptl.files.job import Job
 from ptl.files.store import Result, read
 from ptl.jobs.kinds import unpacked
-from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import read_map
 
 GROUPS = get_type_hints(Configuration)
 """Type of each group of the configuration."""
@@ -82,7 +83,7 @@ class Script:
         UserError
             If a map has changed since the run was planned.
         """
-        worlds = {name: load_map(entry.map) for name, entry in self.environments.items()}
+        worlds = {name: read_map(entry.map, entry.map_options).world for name, entry in self.environments.items()}
         for name, world in worlds.items():
             if map_digest(world.text) != self.maps.get(name, map_digest(world.text)):
                 raise UserError(

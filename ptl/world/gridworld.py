@@ -8,8 +8,9 @@ wall leaves the agent where it is (our choice; the article states only the four 
 from __future__ import annotations
 
 import hashlib
+import string
+import unicodedata
 from functools import cached_property
-from pathlib import Path
 
 import numpy as np
 
@@ -23,10 +24,11 @@ MOVES = np.array([(-1, 0), (1, 0), (0, -1), (0, 1)])
 """Change of (row, column) by each action, shape (4, 2)."""
 
 WALL, FREE, START = "#", ".", "I"
-MAX_CELLS = 10**6
+LETTERS = frozenset(f"{WALL}{FREE}{string.ascii_uppercase}")
+"""Letters of a map's text."""
+
+MAX_CELLS = 2**20
 """Maximum size of a map in cells of text."""
-MAX_BYTES = 4 * MAX_CELLS
-"""Maximum size of a map file in bytes; more is not read."""
 
 
 class GridWorld:
@@ -50,7 +52,7 @@ class GridWorld:
     """
 
     def __init__(self, rows: list[str], name: str) -> None:
-        _check_rectangle(rows, name)
+        self.check_letters(rows, name)
         letters = np.array([list(row) for row in rows])
         self.name = name
         self.text = "\n".join(rows) + "\n"
@@ -74,21 +76,38 @@ class GridWorld:
             Naming the map, the cell (row and column, counted from 1) and the remedy.
         """
         # Only line feeds end a row: other separators of str.splitlines are unknown letters of a map.
-        rows = text.replace("\r\n", "\n").rstrip("\n").split("\n")
+        rows = text.removeprefix("\ufeff").replace("\r\n", "\n").rstrip("\n").split("\n")
         return cls(rows, name)
+
+    @staticmethod
+    def check_letters(rows: list[str], name: str) -> None:
+        """Refuse rows that are no map: unknown letters, rows of different lengths, none at all, or too many cells."""
+        if not any(row.strip() for row in rows):
+            raise UserError(f"{name}: the map is empty; write one line of text for each row of cells")
+        if len(rows) * max(map(len, rows)) > MAX_CELLS:
+            raise UserError(f"{name}: the map has more than {MAX_CELLS} cells; use a smaller one")
+        for number, row in enumerate(rows, start=1):
+            if not row.strip():
+                raise UserError(f"{name}: row {number} is blank; remove the line, or fill it with '#'")
+            if unknown := set(row) - LETTERS:
+                column = min(row.index(letter) for letter in unknown)
+                raise UserError(
+                    f"{name}: unknown letter {_called(row[column])} in row {number}, column {column + 1};"
+                    " use '#' for a wall, '.' for a free cell, 'I' for the start and other capital letters for goals"
+                )
+        for number, row in enumerate(rows, start=1):
+            if len(row) != len(rows[0]):
+                raise UserError(
+                    f"{name}: row {number} has {len(row)} cells but row 1 has {len(rows[0])};"
+                    " make all rows equally long (fill up with '#')"
+                )
 
     # -- reading ------------------------------------------------------------------------------------------------
 
     def _read_letters(self, letters: np.ndarray) -> tuple[int, dict[str, int]]:
         where: dict[str, list[tuple[int, int]]] = {}
         for row, column in np.argwhere((letters != WALL) & (letters != FREE)):
-            letter = str(letters[row, column])
-            if not ("A" <= letter <= "Z"):
-                raise UserError(
-                    f"{self.name}: unknown letter {letter!r} in row {row + 1}, column {column + 1};"
-                    " use '#' for a wall, '.' for a free cell, 'I' for the start and other capital letters for goals"
-                )
-            where.setdefault(letter, []).append((int(row), int(column)))
+            where.setdefault(str(letters[row, column]), []).append((int(row), int(column)))
         for letter, places in where.items():
             if len(places) > 1:
                 (r1, c1), (r2, c2) = places[:2]
@@ -188,54 +207,13 @@ class GridWorld:
         return f"<GridWorld {self.name!r}: {rows} x {columns}, {self.n_states} states, goals {''.join(self.goals)}>"
 
 
-def _check_rectangle(rows: list[str], name: str) -> None:
-    if not any(row.strip() for row in rows):
-        raise UserError(f"{name}: the map is empty; write one line of text for each row of cells")
-    if len(rows) * max(map(len, rows)) > MAX_CELLS:
-        raise UserError(f"{name}: the map has more than {MAX_CELLS} cells; use a smaller one")
-    for number, row in enumerate(rows, start=1):
-        if len(row) != len(rows[0]):
-            raise UserError(
-                f"{name}: row {number} has {len(row)} cells but row 1 has {len(rows[0])};"
-                " make all rows equally long (fill up with '#')"
-            )
+def _called(letter: str) -> str:
+    """Return a character in quotes; one that cannot be seen with its name."""
+    names = {" ": "a blank", "\t": "a tab", "\r": "a carriage return", "\x1a": "Ctrl-Z", "\ufeff": "a byte order mark"}
+    name = names.get(letter) or ("" if letter.isprintable() else unicodedata.name(letter, "a control character"))
+    return f"{letter!r} ({name})" if name else repr(letter)
 
 
 def map_digest(text: str) -> str:
     """Return the first 16 digits of the sha256 of a map's text, as `GridWorld.text` gives it."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
-
-
-def load_map(path: str | Path) -> GridWorld:
-    """Read a map file (UTF-8 text).
-
-    Raises
-    ------
-    UserError
-        When the file cannot be read or is not a map.
-    """
-    return GridWorld.from_text(read_text(path), name=str(path))
-
-
-def read_text(path: str | Path) -> str:
-    """Return the UTF-8 text of a file with a map or a table of maps; pipes, devices and what is huge are refused.
-
-    Raises
-    ------
-    UserError
-    """
-    path = Path(path)
-    try:
-        if not path.is_file():
-            raise UserError(f"{path}: cannot be read (no such file); check the path of the map")
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-        text = content.decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save the map as plain text") from error
-    except (OSError, ValueError) as error:  # ValueError: a null byte in the path
-        reason = getattr(error, "strerror", None) or error
-        raise UserError(f"{path}: cannot be read ({reason}); check the path of the map") from error
-    if len(content) > MAX_BYTES:
-        raise UserError(f"{path}: is larger than a map of {MAX_CELLS} cells can be; use a smaller one")
-    return text

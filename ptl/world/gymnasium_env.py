@@ -1,6 +1,6 @@
 """A map as a Gymnasium environment.
 
-Needs the optional extra ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
+Needs the package ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
 0 elsewhere; a move into a wall leaves the agent where it is. Importing this module registers the id `ID`:
 
 >>> import gymnasium
@@ -14,20 +14,21 @@ True
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 try:
     import gymnasium
     from gymnasium import spaces
 except ImportError as error:
     raise ImportError(
-        f"the Gymnasium view needs the package gymnasium ({error}); install it with the extra: pip install"
-        " 'ptl[gymnasium]', in a checkout: pip install -e '.[gymnasium]'"
+        f"the Gymnasium view needs the package gymnasium ({error}); install it: pip install gymnasium"
     ) from error
 
 ID = "ptl/GridWorld-v0"
@@ -39,7 +40,9 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
     Parameters
     ----------
     world : GridWorld or path
-        A map, or the text file of one.
+        A map, or the file of one.
+    map_options : mapping, optional
+        What a file leaves open: keys of `ptl.config.MapOptions`, say ``{"start": [2, 3], "goals": [[7, 8]]}``.
     goal : str
         Letter of the goal.
     random_start : bool
@@ -62,10 +65,11 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
         *,
         random_start: bool = False,
         render_mode: str | None = None,
+        map_options: Mapping[str, Any] | None = None,
     ) -> None:
         if render_mode is not None and render_mode not in self.metadata["render_modes"]:
             raise ValueError(f"render_mode must be one of {self.metadata['render_modes']}, not {render_mode!r}")
-        self.world = world if isinstance(world, GridWorld) else load_map(Path(world))
+        self.world = world if isinstance(world, GridWorld) else load_map(Path(world), **(map_options or {}))
         self.goal = self.world.goal(goal)
         self.random_start = random_start
         self.render_mode = render_mode
@@ -85,7 +89,12 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
         return np.int64(self._state), {}
 
     def step(self, action: np.int64) -> tuple[np.int64, float, bool, bool, dict[str, Any]]:
-        """Move; return state, reward, terminated, truncated (always False) and an empty dictionary."""
+        """Move; return state, reward, terminated, truncated (always False) and an empty dictionary.
+
+        An action that is not one of 0 to 3 raises ValueError.
+        """
+        if not self.action_space.contains(action):
+            raise ValueError(f"action {action!r:.60} is not allowed; give one of 0 to 3 (north, south, west, east)")
         self._state = int(self.world.successors[self._state, action])
         terminated = self._state == self.goal
         return np.int64(self._state), float(terminated), terminated, False, {}

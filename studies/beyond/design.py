@@ -14,7 +14,7 @@ from ptl.files.configuration import check_text, read_yaml
 from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
-from studies.beyond.families import FAMILIES
+from ptl.world.mazes import FAMILIES
 from studies.beyond.maps import MAIN, SEQUENCES
 from studies.beyond.methods import module_of, reference
 from studies.beyond.population import BANDS, MAPS, SIZE

@@ -15,7 +15,7 @@ from ptl.files.job import Job, Number, Positive, Watch, Word, Worlds, register
 from ptl.files.outside import learning_code
 from ptl.files.provenance import LEARNING
 from ptl.world.gridworld import GridWorld
-from studies.beyond.families import FAMILIES
+from ptl.world.mazes import FAMILIES
 from studies.beyond.lives import lives_on_maps, variant
 from studies.beyond.maps import SEQUENCES, checked_map
 

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable
 
 import numpy as np
 
 from ptl.errors import UserError
 from ptl.world.gridworld import GridWorld, map_digest
-from ptl.world.mazes import FREE, GOALS, START, WALL, largest_part, to_text
-from studies.beyond.families import FAMILIES
+from ptl.world.mazes import FREE, GOALS, START, WALL, draw, largest_part, stream, to_text
 
 MAIN = "increasing"
 """Sequence of tasks of the main comparison, as in the article."""
@@ -72,7 +70,7 @@ decreasing path, and each the state with the greatest detour from the start and 
 
 def make_map(family: str, size: int, seed: int, sequence: str = MAIN) -> GridWorld:
     """Return a map of a family; the walls and the start are the same for all sequences of a seed."""
-    return place_tasks(FAMILIES[family](_stream(family, size, seed), size), f"{family}_{size}_{seed}", seed, sequence)
+    return place_tasks(draw(family, size, seed), f"{family}_{size}_{seed}", seed, sequence)
 
 
 def place_tasks(grid: np.ndarray, name: str, seed: int, sequence: str = MAIN) -> GridWorld:
@@ -85,11 +83,11 @@ def place_tasks(grid: np.ndarray, name: str, seed: int, sequence: str = MAIN) ->
     bounded[tuple(np.transpose(part))] = FREE
     if len(part) <= 2 * len(GOALS):
         raise UserError(f"{name}: has {len(part)} connected cells; a map with six tasks needs {2 * len(GOALS) + 1}")
-    start, other = _stream(name, seed, "start").choice(len(part), 2, replace=False)
+    start, other = stream(name, seed, "start").choice(len(part), 2, replace=False)
     bounded[part[start]], bounded[part[other]] = START, GOALS[0]
     world = GridWorld.from_text(to_text(bounded), name)
     kind = sequence if sequence in ("clustered", "adversarial") else "goals"
-    goals = SEQUENCES[sequence](world, _stream(name, seed, kind), len(GOALS))
+    goals = SEQUENCES[sequence](world, stream(name, seed, kind), len(GOALS))
     bounded[part[other]] = FREE
     for letter, goal in zip(GOALS, goals, strict=True):
         bounded[tuple(world.cells[goal])] = letter
@@ -111,11 +109,6 @@ def checked_map(family: str, size: int, seed: int, digest: str, sequence: str = 
             " requirements.lock"
         )
     return made if sequence == MAIN else make_map(family, size, seed, sequence)
-
-
-def _stream(*names: str | int) -> np.random.Generator:
-    digest = hashlib.sha256("/".join(map(str, names)).encode()).digest()
-    return np.random.Generator(np.random.SFC64(int.from_bytes(digest, "big")))
 
 
 def winding(world: GridWorld) -> float:

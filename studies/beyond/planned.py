@@ -12,14 +12,17 @@ from ptl.errors import UserError
 from ptl.files.outside import learning_code
 from ptl.jobs.learn import Learn
 from ptl.measures.cost import COSTLY, Cost, steps_of_life, steps_of_task, together
-from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import load_map
 from ptl.world.mazes import GOALS
-from studies.beyond import moving_ai
 from studies.beyond.design import ARTICLE, SecondStudy
 from studies.beyond.jobs import LIVES, LivesOnMaps
 from studies.beyond.maps import MAIN
 from studies.beyond.methods import reference
 from studies.beyond.population import TABLE, MapEntry, read_population
+
+MOVING_AI = "moving_ai"
+"""Family of the maps that the key of this name lists; they may have any format that `ptl.world.map_files` reads."""
 
 Population = Mapping[tuple[str, int], MapEntry]
 """Rows of the table by family and seed."""
@@ -80,7 +83,7 @@ def given_maps(study: SecondStudy) -> dict[tuple[str, str], GivenMap]:
         given[name, name] = GivenMap(entry.map, load_map(entry.map))
         check_tasks(entry.tasks, given[name, name].world.goals, f"article_maps.{name}.tasks")
     for path in study.moving_ai:
-        given[moving_ai.FAMILY, Path(path).stem] = GivenMap(path, moving_ai.load_moving_ai(path))
+        given[MOVING_AI, Path(path).stem] = GivenMap(path, load_map(path))
     return given
 
 
@@ -139,8 +142,9 @@ def _designed(
             maps = {family: given[family, family].digest}
             yield family, 0, ARTICLE, entry.tasks, study.article_seeds, maps, name, per_task
         for place in (Path(path).stem for path in study.moving_ai):
-            maps = {place: given[moving_ai.FAMILY, place].digest}
-            yield moving_ai.FAMILY, 0, MAIN, GOALS, study.seeds, maps, name, per_task
+            maps = {place: given[MOVING_AI, place].digest}
+            tasks = "".join(given[MOVING_AI, place].world.goals)
+            yield MOVING_AI, 0, MAIN, tasks, study.seeds, maps, name, per_task
 
 
 def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:

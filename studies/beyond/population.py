@@ -18,9 +18,9 @@ import click
 
 from ptl.errors import UserError
 from ptl.files.atomic import write_text
-from ptl.world.gridworld import GridWorld, map_digest, read_text
-from ptl.world.mazes import GOALS
-from studies.beyond.families import FAMILIES
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import read_text
+from ptl.world.mazes import FAMILIES, GOALS
 from studies.beyond.maps import checked_map, make_map, winding
 
 BANDS = {"tuning": 1000, "test": 4000}

@@ -19,7 +19,8 @@ from scipy import stats
 from ptl.agent import reference
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.reference import RandomBits, ReferenceLearner, erase_loops
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 PUBLISHED = ["env1", "env2", "env3"]
 HITTING_TIMES = {  # mean length of a first episode of tasks A..F, of the published and of the first maps

@@ -33,7 +33,8 @@ from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, de
 from ptl.errors import UserError
 from ptl.measures.run_files import write_steps
 from ptl.measures.statistics import Estimate
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 CLAIMS = {claim.id: claim for claim in claims.CLAIMS}
 

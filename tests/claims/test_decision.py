@@ -23,7 +23,8 @@ from ptl.learning.lives import grow_lives, learn_lives
 from ptl.measures import statistics
 from ptl.measures.exact import first_episode_without_transfer
 from ptl.measures.statistics import Resampling
-from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import load_map
 
 ROOMS = GridWorld.from_text("#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n", "rooms")
 WORLDS = {"env2": load_map(MAPS / "env2.txt")}

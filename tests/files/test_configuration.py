@@ -115,7 +115,7 @@ def test_environments_can_be_taken_away_and_added_to():
         ("learning.episodes", 9, "measures.window: 10 must not exceed learning.episodes (9)"),
         ("growth.environment", "env9", "growth.environment: 'env9' is not allowed; give one of env1, env2, env3"),
         ("growth.tasks", 7, "configuration key growth.tasks: 7 must exceed growth.breakpoint (7)"),
-        ("subgoal_frequencies.starts", "some", "starts: 'some' is not allowed; give all or a whole number >= 1"),
+        ("subgoal_frequencies.starts", "some", "starts: 'some' is not allowed; give all or a whole number >= 0"),
         ("statistics.confidence", 95, "configuration key statistics.confidence: 95 is not allowed; give a number > 0"),
     ],
 )

@@ -240,7 +240,7 @@ def test_a_life_keeps_no_more_of_a_late_task_than_of_an_early_one(env2: GridWorl
 WALK = """
 import numpy as np
 from ptl.agent._kernel import Dynamics, Learner
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 world = load_map({path!r})
 learner = Learner(Dynamics(world.successors), world.goals["F"], np.random.SFC64(1), shortcut={shortcut})
 steps = 0

@@ -11,7 +11,7 @@ from projects import ROOT
 from ptl.errors import UserError
 from ptl.files.configuration import completed, read_yaml
 from ptl.measures.cost import MAX_JOBS, Cost, check_cost, cost_of, together
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from lives import job, read_lives, write_life
 
 from ptl import methods
 from ptl.agent.selection import prior
-from ptl.config import Learning, Parameters, Statistics
+from ptl.config import Environment, Learning, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files import store
 from ptl.jobs.learn import skills_of, tasks_in
@@ -117,7 +117,7 @@ def script(kind: str, folder: Path, entry: dict | None = None, files: dict | Non
     settings = {"map": str(folder / "small.txt"), "title": "Small", "tasks": "ABC", "discovery_tasks": "BC"}
     compared = ["no_transfer", "ptl"] if kind == "measures" else METHODS
     looks = {name: (methods.load(name).label, methods.load(name).colour) for name in compared}
-    environments = {"small": SimpleNamespace(**(settings | (entry or {})))}
+    environments = {"small": Environment(**(settings | (entry or {})))}
     return Script(
         SimpleNamespace(**inputs), None, SimpleNamespace(**groups), environments, compared, own_looks=looks,
         jobs=[*LIVES, SURVEY],

@@ -24,7 +24,7 @@ from ptl.cli import commands
 from ptl.config import Parameters
 from ptl.report import ledger
 from ptl.report.readme import filled
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 PAGES = [
     path.relative_to(ROOT).as_posix()

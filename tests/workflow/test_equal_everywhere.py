@@ -18,7 +18,8 @@ from ptl.jobs.grow import Grow
 from ptl.jobs.learn import Learn
 from ptl.jobs.lives import Libraries, Lives
 from ptl.jobs.survey import Survey
-from ptl.world.gridworld import load_map, map_digest
+from ptl.world.gridworld import map_digest
+from ptl.world.map_files import load_map
 
 MAP = "config/environments/env2.txt"
 WORLD = load_map(ROOT / MAP)

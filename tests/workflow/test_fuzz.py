@@ -23,7 +23,8 @@ from ptl.config import Configuration
 from ptl.errors import UserError
 from ptl.files.configuration import completed
 from ptl.keys import keys_of
-from ptl.world.gridworld import MAX_CELLS, GridWorld, load_map
+from ptl.world.gridworld import MAX_CELLS, GridWorld
+from ptl.world.map_files import load_map
 
 PUBLISHED = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 

@@ -16,7 +16,7 @@ import pytest
 import yaml
 from projects import ROOMS, ROOT, errors_of
 
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 HASTY = """
 import rates
@@ -173,6 +173,54 @@ def test_it_runs_from_a_wheel(tmp_path: Path) -> None:
     assert len(study.table("per_seed")) == 2 * 4 * 5
     done = study.run("ptl", "verify", "results", "reports")
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+# -- what is written
+
+YARD = "type octile\nheight 3\nwidth 6\nmap\n......\n.T..W.\n......\n"
+
+
+def test_a_map_of_another_format_is_written_as_text_with_the_places_asked_for(tmp_path: Path) -> None:
+    (tmp_path / "Yard.map").write_text(YARD)
+    done = Study(tmp_path, ROOT).run(
+        "ptl", "new-study", "my study", "--map", "Yard.map", "--start", "1,1", "--goal", "3,6", "--goal", "1,4"
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "my study/maps/yard.txt").read_text() == "I..B..\n.#..#.\n.....A\n"
+    assert "run it: cd 'my study' && " in done.stdout
+    config = yaml.safe_load((tmp_path / "my study/config/config.yaml").read_text())
+    assert (config["growth"], config["subgoal_frequencies"]) == ({"runs": 0}, {"starts": 0})
+
+
+def test_survey_and_growth_are_there_if_asked_for(tmp_path: Path) -> None:
+    (tmp_path / "rooms.txt").write_text(ROOMS)
+    arguments = ["new-study", "mine", "--map", "rooms.txt", "--seeds", "3", "--survey", "--growth"]
+    assert Study(tmp_path, ROOT).run("ptl", *arguments).returncode == 0
+    config = yaml.safe_load((tmp_path / "mine/config/config.yaml").read_text())
+    assert config["growth"] == {"runs": 3} and "subgoal_frequencies" not in config
+
+
+@pytest.mark.slow
+def test_a_configuration_names_maps_of_other_formats_and_leaves_survey_and_growth_out(tmp_path: Path) -> None:
+    (tmp_path / "yard.map").write_text(YARD)
+    (tmp_path / "rooms.txt").write_text(ROOMS)
+    study = Study(tmp_path / "mine", ROOT)
+    assert study.run("ptl", "new-study", "mine", "--map", "rooms.txt", "--seeds", "2", where=tmp_path).returncode == 0
+    options = {"start": [1, 1], "goals": [[3, 6], [1, 4]]}
+    study.lay_over(
+        environments={"yard": {"map": "../yard.map", "map_options": options}}, methods=["no_transfer", "ptl"],
+        learning={"episodes": 10}, statistics={"resamples": 100},
+    )  # fmt: skip
+    study.make()
+    per_seed = pd.read_csv(study.folder / "reports/mine/tables/per_seed.csv")
+    assert set(per_seed["task"]) == {"A", "B"} and set(per_seed["environment"]) == {"yard"}
+    names = {path.name for path in (study.folder / "reports").rglob("*.*")}
+    assert "map_yard.png" in names and not {"growth.csv", "growth.png", "frequencies.png"} & names
+    assert {path.name for path in (study.folder / "results/mine").iterdir()} == {"learning", "steps.h5", "made.json"}
+    assert "Nothing to be done" in study.make()
+    options["start"] = [3, 1]
+    study.lay_over(environments={"yard": {"map": "../yard.map", "map_options": options}})
+    assert "Learning yard" in study.make("-n", "learning")
 
 
 # -- refusals

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from projects import FIRST_MAPS, MAPS
 
 from ptl.errors import UserError
-from ptl.world.gridworld import GridWorld, load_map
+from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
 
 SMALL = "#####\n#I.A#\n#.#.#\n#####\n"  # states 0 1 2 over 3 4
 
@@ -179,7 +180,7 @@ def test_a_map_file_that_cannot_be_read_is_refused(tmp_path):
     with pytest.raises(UserError, match=r"cannot be read.*; "):
         load_map(tmp_path)
     picture = tmp_path / "picture.txt"
-    picture.write_bytes(b"\x89PNG\xff\xfe")
+    picture.write_bytes(b"\x89ABC\xff\xfe")
     with pytest.raises(UserError, match=r"picture\.txt: byte 1 is not UTF-8 text; "):
         load_map(picture)
     faulty = tmp_path / "faulty.txt"

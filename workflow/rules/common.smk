@@ -18,7 +18,8 @@ from ptl.files.regular import below, refuse_other, sha256
 from ptl.jobs import planned
 from ptl.measures.cost import FLAG, check_cost, cost_of
 from ptl.report.figures import left_out
-from ptl.world.gridworld import load_map, map_digest
+from ptl.world.gridworld import map_digest
+from ptl.world.map_files import read_map
 
 
 def refuse(error):
@@ -37,7 +38,9 @@ try:
     MAPS = {name: entry["map"] for name, entry in config["environments"].items()}
     if RUN.article:
         MAPS[planned.MISLEADING] = planned.MISLEADING_ENTRY.map
-    WORLDS = {name: load_map(path) for name, path in MAPS.items()}
+    OPTIONS = {name: entry.map_options for name, entry in RUN.environments.items()}
+    READ = {name: read_map(path, OPTIONS.get(name)) for name, path in MAPS.items()}
+    WORLDS = {name: read.world for name, read in READ.items()}
     DIGESTS = {name: map_digest(world.text) for name, world in WORLDS.items()}
     COST = cost_of(RUN, WORLDS)
     check_cost(COST, allowed=bool(os.environ.get(FLAG)))
@@ -78,6 +81,8 @@ RESULTS, REPORTS = Path("results", config["run"]), Path("reports", config["run"]
 if workflow.is_main_process:
     aging.age_results(RESULTS, [*JOBS.values()])
     print(f"a whole run takes about {COST}", file=sys.stderr)
+    for note in [note for read in READ.values() for note in read.notes]:
+        print(f"note: {note}", file=sys.stderr)
     for figure, missing in left_out(config, ARTICLE).items():
         print(
             f"{figure} is left out: it shows {missing}, which methods does not name",
@@ -105,8 +110,14 @@ def job_of(wildcards, output):
 
 
 def maps_of(wildcards, output):
-    """Maps of that job for its command line."""
-    return [f"--map={name}={MAPS[name]}" for name in job_at(output[0]).maps]
+    """Maps of that job for its command line, with what their files leave open."""
+    names = list(job_at(output[0]).maps)
+    options = {name: OPTIONS[name].to_dict() for name in names if name in OPTIONS}
+    return [f"--map={name}={MAPS[name]}" for name in names] + [
+        f"--map-options={name}={json.dumps(given)}"
+        for name, given in options.items()
+        if given
+    ]
 
 
 def job_at(path):

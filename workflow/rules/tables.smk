@@ -47,5 +47,5 @@ rule tables:
         rules.measure.output.per_seed,
         rules.measure.output.subgoals,
         rules.tabulate.output,
-        rules.collect_growth.output,
+        rules.collect_growth.output if GROWTH else [],
         rules.library_cost.output,

@@ -94,6 +94,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         if article
         else "Its form and width are those of the configuration."
     )
+    off = {kind for kind, number in (("frequencies", survey["starts"]), ("growth", growth["runs"])) if not number}
     level = f"{percent(config['statistics']['confidence'])} bootstrap interval"
 
     rows = {
@@ -198,7 +199,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
     return {
         ARTICLE_NUMBERS.get(kind, kind) if article else kind: row
         for kind, row in rows.items()
-        if set(row.methods) <= compared and (article or kind not in ARTICLE_ONLY)
+        if set(row.methods) <= compared and (article or kind not in ARTICLE_ONLY) and kind not in off
     }
 
 

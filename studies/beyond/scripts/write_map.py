@@ -2,9 +2,9 @@
 
 from ptl.files.atomic import write_text
 from ptl.report.script import running
+from ptl.world.map_files import load_map
 from studies.beyond.maps import checked_map
-from studies.beyond.moving_ai import load_moving_ai
 
 with running(snakemake) as script:
-    world = load_moving_ai(script.input[0]) if script.input else checked_map(*snakemake.params.generated)
+    world = load_map(script.input[0]) if script.input else checked_map(*snakemake.params.generated)
     write_text(script.output[0], world.text)

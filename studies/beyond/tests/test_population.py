@@ -11,11 +11,9 @@ import pytest
 from click.testing import CliRunner
 
 from ptl.errors import UserError
-from ptl.world.gridworld import MAX_CELLS, GridWorld
-from ptl.world.mazes import FREE, largest_part, to_text
-from studies.beyond.families import FAMILIES
+from ptl.world.gridworld import GridWorld
+from ptl.world.mazes import FAMILIES, FREE, largest_part
 from studies.beyond.maps import SEQUENCES, checked_map, make_map, place_tasks, winding
-from studies.beyond.moving_ai import read_moving_ai
 from studies.beyond.population import BANDS, MAPS, command, describe, read_population, to_csv
 from studies.beyond.population import TABLE as PATH
 
@@ -153,27 +151,6 @@ def _least_detours(world: GridWorld) -> float:
     return float(np.mean(values))
 
 
-MOVING_AI = "type octile\nheight 4\nwidth 5\nmap\n.G.T@\n.S.W.\n.....\nOO...\n"
-
-
-def test_a_moving_ai_map_is_read(tmp_path):
-    path = tmp_path / "small.map"
-    path.write_text(MOVING_AI)
-    assert to_text(read_moving_ai(path)) == "...##\n...#.\n.....\n##...\n"
-    world = place_tasks(read_moving_ai(path), "small", 1)
-    assert (world.n_states, len(world.goals)) == (15, 6)
-    for wrong in (MOVING_AI.replace("height 4", "height 3"), MOVING_AI.replace("map\n", ""), "", "\xe4",
-                  MOVING_AI.replace(".....", "...."), MOVING_AI.replace("type octile", "height 4"),
-                  MOVING_AI.replace(".....\nOO", ".....\x0bOO")):  # fmt: skip
-        path.write_text(wrong)
-        with pytest.raises(UserError, match=r"small\.map: .*Moving AI map"):
-            read_moving_ai(path)
+def test_a_grid_without_room_for_six_tasks_is_refused():
     with pytest.raises(UserError, match="with six tasks"):
         place_tasks(np.full((3, 3), FREE), "tiny", 1)
-
-
-def test_a_moving_ai_map_of_too_many_cells_is_refused(tmp_path):
-    path = tmp_path / "large.map"
-    path.write_text(f"type octile\nheight 2\nwidth {MAX_CELLS}\nmap\n" + ("." * MAX_CELLS + "\n") * 2)
-    with pytest.raises(UserError, match=rf"large\.map: the map has more than {MAX_CELLS} cells"):
-        read_moving_ai(path)

@@ -19,7 +19,8 @@ from ptl.measures.statistics import Resampling
 from ptl.methods._base import BaseMethod
 from ptl.report.table import to_html, to_markdown
 from ptl.text import number
-from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import load_map
 from studies.fv_check import experiment as fv
 from studies.fv_check import figure
 from studies.fv_check.jobs import MAP, FvCheck, Gains, gains_of, trials_jobs
