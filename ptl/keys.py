@@ -1,8 +1,9 @@
 """Typed keys of a configuration: their descriptions, the check of values, and the messages for wrong values."""
 
+import datetime
 import math
 from collections.abc import Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Annotated, Any, Literal, NamedTuple, Self, get_args, get_origin
 
 import msgspec
@@ -196,7 +197,27 @@ def _checked(kind: Any, value: Any) -> Any:
             raise ValueError
         return msgspec.convert(value, kind)
     except (ValueError, OverflowError):  # ValidationError is a ValueError
-        raise ConfigurationError.of_value("", value, allowed(kind)) from None
+        raise ConfigurationError.of_value("", value, allowed(kind) + _meant(kind, value)) from None
+
+
+def _meant(kind: Any, value: Any) -> str:
+    """Return a remark on the value that was probably meant: a number that YAML takes for a text, or the reverse."""
+    forms: list[Any] = []
+    if isinstance(value, str) and len(value) < 40:
+        for text in (value, value.replace(",", ""), value.replace(",", ".")):
+            for read in (int, float, lambda digits: int(digits, 0)):
+                with suppress(ValueError, OverflowError):
+                    number = read(text)
+                    forms += [int(number), number] if number == int(number) else [number]
+    elif isinstance(value, float) and value.is_integer():
+        forms.append(int(value))
+    elif isinstance(value, bool | int | float | datetime.date):
+        forms.append(str(value).lower() if isinstance(value, bool) else str(value))
+    for form in forms:
+        with suppress(ValueError, OverflowError):
+            if msgspec.convert(form, kind) == form:
+                return f" (perhaps {form!r} was meant)"
+    return ""
 
 
 @contextmanager

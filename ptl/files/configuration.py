@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 import yaml
@@ -16,7 +17,7 @@ from ptl.errors import UserError
 from ptl.files.foreign import Expected, read_foreign
 from ptl.files.outside import configured
 from ptl.files.regular import NotReadable, read_bytes
-from ptl.keys import ConfigurationError, Group
+from ptl.keys import ConfigurationError, Group, keys_of
 from ptl.learning.trial import check_method
 from ptl.world.map_files import read_map
 
@@ -130,13 +131,14 @@ def check_text(key: str, text: str) -> None:
 def read_yaml(path: str | Path) -> dict[str, Any]:
     """Read a configuration file; ambiguous files are refused.
 
-    YAML readers keep the last of equal keys without a message.
+    YAML readers keep the last of equal keys without a message, and take ``010`` for 8, ``1:30`` for 90 and ``NO`` for
+    false.
 
     Raises
     ------
     UserError
-        One line that names the file and the key or the line: unreadable, not YAML, a key given twice, an alias, or
-        nested too deep.
+        One line that names the file and the key or the line: unreadable, not YAML, a key given twice, a value that is
+        not read as it is written, an alias, or nested too deep.
     """
     try:
         text = read_bytes(path, MAX_BYTES).decode("utf-8")
@@ -144,16 +146,18 @@ def read_yaml(path: str | Path) -> dict[str, Any]:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
         if not isinstance(root, yaml.MappingNode):
             raise UserError(f"{path}: holds no keys; write 'key: value' lines (config/README.md describes them)")
-        _refuse_repeated_keys(root, str(path), "")
+        _check_nodes(root, str(path), "")
         return yaml.safe_load(text)
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save it as plain text") from error
     except NotReadable as error:
         raise UserError(f"{path}: cannot be read ({error.reason}); check the path") from error
-    except (yaml.YAMLError, ValueError) as error:  # a ValueError: a date or a number that does not exist
+    except (yaml.YAMLError, ValueError) as error:  # a ValueError: a number that is too long
         mark = getattr(error, "problem_mark", None)
         where = f"line {mark.line + 1}: " if mark else ""
         what = getattr(error, "problem", None) or getattr(error, "reason", error)
+        if mark and text.split("\n")[mark.line].lstrip(" ").startswith("\t"):
+            raise UserError(f"{path}: {where}is indented with a tab; use blanks") from error
         raise UserError(f"{path}: {where}is not YAML ({what}); correct it there") from error
 
 
@@ -169,10 +173,13 @@ def _refuse_bombs(text: str, path: str | Path) -> None:
             raise UserError(f"{path}: line {line}: nested more than {MAX_DEPTH} deep; correct it there")
 
 
-def _refuse_repeated_keys(node: yaml.Node, path: str, parent: str) -> None:
+def _check_nodes(node: yaml.Node, path: str, parent: str) -> None:
+    """Refuse keys that are given twice, and keys and values that are read as something else than is written."""
     if isinstance(node, yaml.SequenceNode):
         for entry in node.value:
-            _refuse_repeated_keys(entry, path, parent)
+            _check_nodes(entry, path, parent)
+    elif isinstance(node, yaml.ScalarNode):
+        _check_scalar(node, path, parent.removesuffix("."))
     elif isinstance(node, yaml.MappingNode):
         seen: dict[str, int] = {}
         for name, value in node.value:
@@ -183,4 +190,32 @@ def _refuse_repeated_keys(node: yaml.Node, path: str, parent: str) -> None:
             if name.value in seen:
                 raise UserError(f"{path}: key {key} is given in lines {seen[name.value]} and {line}; keep one of them")
             seen[name.value] = line
-            _refuse_repeated_keys(value, path, f"{key}.")
+            if not name.tag.endswith(":str"):
+                kind = name.tag.rpartition(":")[2]
+                raise UserError(f"{path}: line {line}: key {key} is read as {kind}, not as text; write '{name.value}'")
+            _check_nodes(value, path, f"{key}.")
+
+
+SWITCHES = {key.name.rpartition(".")[2] for key in keys_of(Configuration) if bool in get_args(key.type)}
+"""Last parts of the keys that are true or false."""
+
+
+def _check_scalar(node: yaml.ScalarNode, path: str, key: str) -> None:
+    """Refuse a value that YAML 1.1 takes for what few expect: octal, base 60, a date, or a word for true or false."""
+    text, kind = node.value, node.tag.rpartition(":")[2]
+    as_text = f"'{text}' for the text"
+    octal = re.fullmatch("([-+]?)0([0-9_]+)", text)
+    if kind in ("int", "float") and ":" in text:
+        number = yaml.safe_load(text)
+        remark = f"{number}, a number in base 60; write {number}, or {as_text}"
+    elif kind == "int" and octal:
+        decimal = int(octal[1] + octal[2].replace("_", "") or "0")
+        remark = f"{yaml.safe_load(text)}, an octal number; write {decimal}, or {as_text}"
+    elif kind == "timestamp":
+        remark = f"a date; write {as_text}"
+    elif kind == "bool" and text.lower() not in ("true", "false") and key.rpartition(".")[2] not in SWITCHES:
+        value = str(yaml.safe_load(text)).lower()
+        remark = f"{value}; write {as_text}, or {value}"
+    else:
+        return
+    raise UserError(f"{path}: line {node.start_mark.line + 1}: key {key}: {text} is read as {remark}")

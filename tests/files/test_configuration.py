@@ -202,9 +202,29 @@ def test_any_value_at_any_key_passes_or_is_refused_in_one_line(path, value):
         ("environments:\n  a: {map: x}\n  a: {map: y}\n", "key environments.a is given in lines 2 and 3"),
         ('{"run": "a", "run": "b"}', "key run is given in lines 1 and 1"),
         ("run: [a\n", "is not YAML"),
-        ("\trun: a\n", "is not YAML"),
+        ("\trun: a\n", "line 1: is indented with a tab; use blanks"),
+        ("learning:\n \tepisodes: 20\n", "line 2: is indented with a tab; use blanks"),
+        ("seeds: 010\n", "line 1: key seeds: 010 is read as 8, an octal number; write 10, or '010' for the text"),
+        (
+            "learning:\n  episodes: 0100\n",
+            "line 2: key learning.episodes: 0100 is read as 64, an octal number; write 100",
+        ),
+        ("a: [7, -0_17]\n", "key a: -0_17 is read as -15, an octal number; write -17"),
+        ("a: !!int '010'\n", "key a: 010 is read as 8, an octal number; write 10"),
+        ("learning: {episodes: 1:30}\n", "key learning.episodes: 1:30 is read as 90, a number in base 60; write 90"),
+        (
+            "a: 1:30:00.5\n",
+            "1:30:00.5 is read as 5400.5, a number in base 60; write 5400.5, or",
+        ),
+        ("environments: {a: {tasks: NO}}\n", "key environments.a.tasks: NO is read as false; write 'NO' for the text"),
+        ("methods: [ptl, on]\n", "key methods: on is read as true; write 'on' for the text, or true"),
+        ("title: Yes\n", "key title: Yes is read as true; write 'Yes'"),
+        ("environments: {no: {map: x}}\n", "key environments.no is read as bool, not as text; write 'no'"),
+        ("environments: {7: {map: x}}\n", "key environments.7 is read as int, not as text; write '7'"),
+        ("title: 2019-05-01\n", "key title: 2019-05-01 is read as a date; write '2019-05-01' for the text"),
+        ("<<: {seeds: 1}\n", "key << is read as merge, not as text"),
         ("run: a\n---\nrun: b\n", "is not YAML"),
-        ("run: 2024-13-45\n", "is not YAML (month must be in 1..12"),
+        ("run: 2024-13-45\n", "key run: 2024-13-45 is read as a date"),
         ("- run\n", "holds no keys"),
         ("", "holds no keys"),
         ("? [a, b]\n: 1\n", "a key must be a word"),
@@ -221,6 +241,33 @@ def test_text_of_a_configuration_file(tmp_path, text, says):
     with pytest.raises(UserError) as caught:
         read_yaml(path)
     assert says in str(caught.value) and str(path) in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_values_that_are_read_as_they_are_written_pass(tmp_path):
+    path = tmp_path / "config.yaml"
+    path.write_text(
+        "\ufeffa: 0\r\nb: 0.05\r\nc: 'NO'\r\nd: '010'\r\ne: true\r\nskills: {null_skill: off}\r\nf: 1_000\r\n"
+    )
+    read = {"a": 0, "b": 0.05, "c": "NO", "d": "010", "e": True, "skills": {"null_skill": False}, "f": 1000}
+    assert read_yaml(path) == read
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "meant"),
+    [
+        ("learning.alpha", "5e-2", 0.05), ("learning.alpha", "0,05", 0.05), ("learning.alpha", "1", 1),
+        ("learning.episodes", "1e3", 1000), ("learning.episodes", "1,000", 1000), ("learning.episodes", "09", 9),
+        ("learning.episodes", "0o17", 15), ("learning.episodes", 20.0, 20), ("run", 2024, "2024"),
+        ("run", True, "true"), ("learning.max_steps", "1.0e6", 1000000),
+    ],
+)  # fmt: skip
+def test_the_value_that_was_probably_meant_is_named(path, value, meant):
+    assert refusal(changed(path, value)).endswith(f" (perhaps {meant!r} was meant)")
+
+
+@pytest.mark.parametrize("value", ["many", "2e9", "inf", "1.5", True, None, -3])
+def test_where_no_value_was_probably_meant_none_is_named(value):
+    assert "perhaps" not in refusal(changed("learning.episodes", value))
 
 
 def test_published_texts_pass():
