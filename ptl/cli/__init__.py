@@ -16,7 +16,9 @@ import ptl
 from ptl.errors import UserError, printable
 from ptl.files.checkout import check_checkout
 
-COMMANDS = ("new-study", "show-map", "make-map", "learn", "inspect", "metrics", "score", "verify", "workflow")
+COMMANDS = (
+    "new-study", "show-map", "make-map", "import-runs", "learn", "inspect", "metrics", "score", "verify", "workflow",
+)  # fmt: skip
 """Commands for users, in the order of the help."""
 
 UPKEEP = ("docs",)

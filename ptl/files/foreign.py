@@ -3,16 +3,19 @@
 The table is CSV with one row an episode and the columns `COLUMNS`, in any order; ``truncated`` (0 or 1) may be left out
 if every episode reached its goal. A truncated episode has the run's maximum number of steps: with fewer it would count
 as one that reached its goal. A method has every task of each environment that it names, and of each task exactly the
-seeds (0, 1, ...) and episodes (1, 2, ...) of the run, because measures compare seed by seed with the base.
+episodes (1, 2, ...) of the run and as many seeds. Seeds may have any names; those that are not 0, 1, ... are numbered
+in the natural order of their names.
 """
 
 from __future__ import annotations
 
 import io
+import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,13 +92,21 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
             raise UserError(f"{path}: line {line}: {column} {value!r} is not allowed{about}; give {wanted}")
 
     def whole(column: str, low: int, high: int) -> pd.Series:
-        wrong = ~table[column].str.fullmatch("[0-9]{1,18}")
-        values = table[column].mask(wrong, "0").astype(np.int64)
+        digits = table[column].map(whole_number)
+        wrong = digits == ""
+        values = digits.mask(wrong, "0").astype(np.int64)
         refuse(wrong | ~values.between(low, high), column, f"a whole number from {low} to {high}")
         return values
 
     refuse(~table["environment"].isin([*expected.tasks]), "environment", f"one of {', '.join(expected.tasks)}")
-    seed, episode = whole("seed", 0, expected.seeds - 1), whole("episode", 1, expected.episodes)
+    refuse(table["seed"].str.strip() == "", "seed", "a number or a name")
+    numbers = numbers_of_seeds(table["seed"], expected.seeds)
+    if len(numbers) > expected.seeds:
+        raise UserError(
+            f"{path}: method {method}: has {len(numbers)} seeds ({shortened(', '.join(numbers))}), and the run has"
+            f" {expected.seeds}; give as many"
+        )
+    seed, episode = table["seed"].map(numbers), whole("episode", 1, expected.episodes)
     steps, truncated = whole("steps", 1, expected.max_steps), whole(OPTIONAL, 0, 1) == 1
     limit = f"{expected.max_steps}, the run's learning.max_steps, for a truncated episode"
     refuse(truncated & (steps < expected.max_steps), "steps", limit)
@@ -114,8 +125,8 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
                     first = np.argwhere(wrong)[0]
                     raise UserError(
                         f"{path}: method {method}, environment {environment}, task {task}: seed {first[0]}, episode"
-                        f" {first[1] + 1} is {fault}, and {wrong.sum() - 1} more; give seeds 0 to {expected.seeds - 1}"
-                        f" and episodes 1 to {expected.episodes}, each once"
+                        f" {first[1] + 1} is {fault}, and {wrong.sum() - 1} more; give {expected.seeds} seeds, say 0 to"
+                        f" {expected.seeds - 1}, and episodes 1 to {expected.episodes}, each once"
                     )
             ordered = np.empty_like(counts)
             ordered[seed[rows], episode[rows] - 1] = steps[rows]
@@ -124,8 +135,47 @@ def read_foreign(path: str | Path, method: str, expected: Expected) -> dict[tupl
     return runs
 
 
+def seeds_of(path: str | Path, method: str, seeds: int) -> dict[str, int]:
+    """Return the number of each seed of a method by its name; empty if the names are the numbers."""
+    table = _read(Path(path))
+    numbers = numbers_of_seeds(table.loc[table["method"] == method, "seed"], seeds)
+    return {} if all(name == str(number) for name, number in numbers.items()) else numbers
+
+
+def numbers_of_seeds(names: pd.Series, seeds: int | None = None) -> dict[str, int]:
+    """Number the names of seeds in natural order; if all are numbers below ``seeds``, they stay what they are."""
+    distinct = sorted(names.unique(), key=natural)
+    whole = [whole_number(name) for name in distinct]
+    if seeds is not None and all(number and int(number) < seeds for number in whole):
+        return {name: int(number) for name, number in zip(distinct, whole, strict=True)}
+    return {name: place for place, name in enumerate(distinct)}
+
+
+def natural(name: str | os.PathLike[str]) -> list[Any]:
+    """Return a key that sorts names with numbers as people do: seed_2 before seed_10."""
+    parts = re.split("([0-9]+)", os.fspath(name))
+    return [int(part) if place % 2 else part for place, part in enumerate(parts)]
+
+
+def as_text(value: Any) -> str:
+    """Return a cell as text."""
+    return value if isinstance(value, str) else repr(value)
+
+
+def whole_number(cell: str) -> str:
+    """Return the digits of a cell that is a whole number as programs write it (40, 40.0, False), else an empty text."""
+    text = cell.strip()
+    if text in ("True", "False"):
+        return str(int(text == "True"))
+    match = re.fullmatch(r"(?:np\.u?int[0-9]+\()?([0-9]{1,18})(?:\.0*)?\)?", text)
+    return match[1] if match else ""
+
+
 def _read(path: Path) -> pd.DataFrame:
-    """Return the cells of a table as texts, indexed by line number; ``truncated`` is 0 if it is left out."""
+    """Return the cells of a table as texts, indexed by line number; ``truncated`` is 0 if it is left out.
+
+    A first column without a name, such as the index that pandas writes, is left out.
+    """
     import pandas as pd  # slow to import, and most configurations name no such table
 
     try:
@@ -137,11 +187,13 @@ def _read(path: Path) -> pd.DataFrame:
         raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV table") from error
     except ValueError as error:  # pandas' own errors and those of UTF-8 are ValueErrors
         raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
+    if table.iloc[0, 0] in ("", "Unnamed: 0"):
+        table = table.iloc[:, 1:]
     header = table.iloc[0].tolist()
     if sorted({*header} - {OPTIONAL}) != sorted(COLUMNS) or len({*header}) != len(header):
         raise UserError(
             f"{path}: the columns {shortened(','.join(header))!r} are not allowed; give {','.join(COLUMNS)}, each once,"
-            f" and {OPTIONAL} if episodes were cut off"
+            f" and {OPTIONAL} if episodes were cut off; 'ptl import-runs' makes such a table"
         )
     table = table.iloc[1:].set_axis(header, axis="columns").set_axis(range(2, len(table) + 1))
     return table if OPTIONAL in table else table.assign(**{OPTIONAL: "0"})

@@ -12,7 +12,7 @@ from projects import ROOMS
 
 from ptl.errors import UserError
 from ptl.files.configuration import completed
-from ptl.files.foreign import COLUMNS, Expected, read_foreign
+from ptl.files.foreign import COLUMNS, Expected, read_foreign, seeds_of
 from ptl.world.gridworld import GridWorld
 
 WORLD = GridWorld.from_text(ROOMS)
@@ -53,6 +53,31 @@ def test_a_table_is_read_in_the_order_of_the_run_whatever_its_own_order(tmp_path
     assert found["rooms", "B"].truncated.tolist() == [0, 0]
 
 
+def test_numbers_and_an_index_as_other_programs_write_them(tmp_path):
+    table = [{"": place, **row, "steps": f"{row['steps']}.0", "truncated": "False"} for place, row in enumerate(rows())]
+    for columns in (("", *COLUMNS, "truncated"), (*COLUMNS, "truncated")):
+        path = write(tmp_path / "t.csv", [{name: row[name] for name in columns} for row in table], columns)
+        found = read_foreign(path, "walker", EXPECTED)
+        assert found["rooms", "B"].steps.tolist() == [[121, 122, 123], [131, 132, 133]]
+        assert found["rooms", "B"].truncated.tolist() == [0, 0]
+
+
+@pytest.mark.parametrize(
+    ("names", "numbers"),
+    [
+        (("42", "43"), {"42": 0, "43": 1}),
+        (("run_10", "run_9"), {"run_9": 0, "run_10": 1}),
+        (("1", "0.0"), {"0.0": 0, "1": 1}),
+    ],
+)
+def test_seeds_may_have_any_names(tmp_path, names, numbers):
+    path = write(tmp_path / "t.csv", [{**row, "seed": names[int(row["seed"])]} for row in rows()])
+    found = read_foreign(path, "walker", EXPECTED)["rooms", "A"].steps[:, 0].tolist()
+    assert found == [21 + 10 * names.index(name) for name in numbers]
+    assert seeds_of(path, "walker", SEEDS) == numbers
+    assert seeds_of(write(path, rows()), "walker", SEEDS) == {}
+
+
 def test_truncated_episodes_are_counted(tmp_path):
     table = [{**row, "truncated": int(row["seed"] == 1 and row["episode"] < 3)} for row in rows()]
     table = [{**row, "steps": 1000} if row["truncated"] else row for row in table]
@@ -77,13 +102,14 @@ def test_an_episode_that_was_cut_off_too_early_is_refused(tmp_path, steps):
         ({"environment": "hall"}, "line 2: environment 'hall' is not allowed; give one of rooms, again"),
         ({"task": "C"}, "line 2: task 'C' is not allowed; give one of A, B"),
         ({"task": ""}, "line 2: task '' is not allowed; give one of A, B"),
-        ({"seed": 2}, "line 2: seed '2' is not allowed; give a whole number from 0 to 1"),
+        ({"seed": 2}, "method walker: has 3 seeds (0, 1, 2), and the run has 2; give as many"),
+        ({"seed": " "}, "line 2: seed ' ' is not allowed; give a number or a name"),
         ({"episode": 0}, "line 2: episode '0' is not allowed; give a whole number from 1 to 3"),
         ({"steps": 5}, "line 2: steps '5' is not allowed (task A of rooms); give at least the shortest path, 8"),
         *[({"steps": value}, f"line 2: steps '{value}' is not allowed (task A of rooms); give a whole number from 1 to"
-            " 1000") for value in ("21.0", "-30", "", "nan", "²1", "1001", "9" * 30, "1e3")],
+            " 1000") for value in ("21.5", "-30", "", "nan", "²1", "1001", "9" * 30, "1e3")],
         ({"seed": 1}, "method walker, environment rooms, task A: seed 1, episode 1 is given more than once, and 0 more;"
-         " give seeds 0 to 1 and episodes 1 to 3, each once"),
+         " give 2 seeds, say 0 to 1, and episodes 1 to 3, each once"),
         ({"method": "x"}, "method walker, environment rooms, task A: seed 0, episode 1 is missing, and 0 more; give"),
     ],
 )  # fmt: skip
@@ -108,6 +134,7 @@ def test_a_missing_task_or_method_is_named(tmp_path):
         (b"environment,method,task,seed,episode\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,steps\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,reward\n", "the columns"),
+        (b"environment,method,task,,seed,episode,steps\n", "the columns"),
         (b"environment,method,task,seed,episode,steps\nrooms,walker\n", "line 2: seed '' is not allowed"),
         (b"environment,method,task,seed,episode,steps\na,b,c,1,1,1,1\n", "cannot be read as CSV (Error tokenizing data."
          " C error: Expected 6 fields in line 2, saw 7); correct it there"),

@@ -12,6 +12,7 @@ from ptl.errors import UserError
 from ptl.files import aging
 from ptl.files.checkout import check_checkout
 from ptl.files.configuration import completed, read_yaml
+from ptl.files.foreign import seeds_of
 from ptl.files.job import packed
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.regular import below, refuse_other, sha256
@@ -83,6 +84,13 @@ if workflow.is_main_process:
     print(f"a whole run takes about {COST}", file=sys.stderr)
     for note in [note for read in READ.values() for note in read.notes]:
         print(f"note: {note}", file=sys.stderr)
+    for name, entry in RUN.foreign_results.items():
+        if numbers := seeds_of(entry.file, name, RUN.seeds):
+            shown = ", ".join(f"{seed} is {place}" for seed, place in numbers.items())
+            print(
+                f"note: {entry.file}: seeds of {name} are numbered: {shown}",
+                file=sys.stderr,
+            )
     for figure, missing in left_out(config, ARTICLE).items():
         print(
             f"{figure} is left out: it shows {missing}, which methods does not name",
