@@ -350,7 +350,9 @@ def _cut(table: pd.DataFrame, wanted: int | None, notes: list[str]) -> pd.DataFr
     if len(kept) < len(table):
         left = len(table) - len(kept)
         rule = "as asked for" if wanted else f"the length of the shortest ({place}) up to its first missing episode"
-        notes.append(f"all runs are cut to {wanted or shortest} episodes, {rule}: {left} episodes are left out")
+        notes.append(
+            f"all runs are cut to {wanted or shortest} episodes, {rule}: {left} of {len(table)} episodes are left out"
+        )
     return kept
 
 
