@@ -1,4 +1,4 @@
-"""Make `whole_argument.ipynb` from `whole_argument.py`, with its outputs: python examples/make_notebook.py
+"""Make the notebooks from the scripts of the same name, with their outputs: python examples/make_notebook.py
 
 Lines that begin with `# %%` divide the script into cells, as in Jupytext and many editors; `# %% [markdown]` begins a
 cell of text. The docstring of the script is the first cell. The notebook names no machine, no time and no version, so
@@ -16,9 +16,7 @@ from contextlib import chdir, redirect_stdout
 from pathlib import Path
 from typing import Any
 
-SCRIPT = Path(__file__).with_name("whole_argument.py")
-NOTEBOOK = SCRIPT.with_suffix(".ipynb")
-TITLE = "# The whole argument on environment 2\n\n"
+SCRIPTS = [Path(__file__).with_name(f"{name}.py") for name in ("first_look", "whole_argument")]
 SETUP = "%matplotlib inline"
 """Code of the notebook alone: makes Jupyter show figures."""
 
@@ -26,8 +24,8 @@ SETUP = "%matplotlib inline"
 def cells_of(script: str) -> list[tuple[str, str]]:
     """Return the kind, "markdown" or "code", and the source of each cell of the notebook."""
     parts = script.split("\n# %%")
-    docstring = ast.get_docstring(ast.parse(parts[0])) or ""
-    cells = [("markdown", TITLE + docstring.partition("\n\n")[2]), ("code", SETUP)]
+    title, _, text = (ast.get_docstring(ast.parse(parts[0])) or "").partition("\n\n")
+    cells = [("markdown", f"# {title.partition(':')[0]}\n\n{text}"), ("code", SETUP)]
     for part in parts[1:]:
         first, _, source = part.strip().partition("\n")
         if first == "[markdown]":
@@ -77,6 +75,8 @@ def notebook_of(script: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as folder, chdir(folder):  # the script writes its figure where it runs
-        notebook = notebook_of(SCRIPT.read_text(encoding="utf-8"))
-    NOTEBOOK.write_text(json.dumps(notebook, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    for path in SCRIPTS:
+        with tempfile.TemporaryDirectory() as folder, chdir(folder):  # a script writes its figures where it runs
+            notebook = notebook_of(path.read_text(encoding="utf-8"))
+        text = json.dumps(notebook, indent=1, ensure_ascii=False) + "\n"
+        path.with_suffix(".ipynb").write_text(text, encoding="utf-8")

@@ -4,9 +4,14 @@ A small library behind the reproduction package:
 
 >>> import ptl
 >>> world = ptl.load_map("config/environments/env2.txt")
->>> life = ptl.learn_life(world, ptl.tasks_of(world, "ABC"), "ptl", ptl.Parameters(), root_seed=1)
+>>> life = ptl.learn_life(world, "ABC", parameters=ptl.Parameters(episodes=50))
 >>> [record.task.name for record in life.records]
 ['A', 'B', 'C']
+>>> len(life.library) == len([skill.subgoal for skill in life.library])
+True
+
+`learn_life` has a default for everything but map and tasks. `plot_map`, `plot_values` and `plot_curve` draw on axes of
+matplotlib; ``examples/first_look.ipynb`` shows them.
 
 Everything named here is loaded when it is first used, so that a job pays only for what it needs.
 """
@@ -19,7 +24,13 @@ __version__ = "1.0.0"
 _PLACES = {
     "GridWorld": "ptl.world.gridworld",
     "load_map": "ptl.world.map_files",
+    "read_map": "ptl.world.map_files",
+    "MapOptions": "ptl.config",
     "Parameters": "ptl.config",
+    "Learning": "ptl.config",
+    "Skills": "ptl.config",
+    "Subgoals": "ptl.config",
+    "PolicyReuse": "ptl.config",
     "Task": "ptl.learning.life",
     "TaskRecord": "ptl.learning.life",
     "Life": "ptl.learning.life",
@@ -40,6 +51,9 @@ _PLACES = {
     "tasks_in": "ptl.jobs.learn",
     "skills_of": "ptl.jobs.learn",
     "measure": "ptl.measures.measures",
+    "plot_map": "ptl.report.plots",
+    "plot_values": "ptl.report.plots",
+    "plot_curve": "ptl.report.plots",
     "UserError": "ptl.errors",
 }
 

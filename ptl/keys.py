@@ -44,7 +44,16 @@ def text(characters: str, wanted: str, length: int = 64) -> dict[str, Any]:
     return {"pattern": rf"^{characters}(?![\s\S])", "max_length": length, "wanted": wanted}
 
 
-class Group(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+class _FlatKeys(msgspec.StructMeta):
+    """Takes keys of inner groups by their last name (``alpha`` for ``learning.alpha``) if only one group has it."""
+
+    def __call__(cls, *arguments: Any, **keys: Any) -> Any:
+        if not keys.keys() <= {*cls.__struct_fields__}:  # type: ignore[attr-defined]
+            keys = _nested(cls, keys)  # type: ignore[arg-type]
+        return super().__call__(*arguments, **keys)
+
+
+class Group(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True, metaclass=_FlatKeys):
     """Keys and values of the configuration; a wrong value raises `ConfigurationError`, however it is made."""
 
     def __post_init__(self) -> None:
@@ -83,12 +92,42 @@ class Group(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
         return msgspec.to_builtins(self)
 
     def replace(self, **changes: Any) -> Self:
-        """Return a copy with single values changed, named ``group__key`` (``learning__alpha=0.1``)."""
+        """Return a copy with single values changed, named ``group__key`` (``learning__alpha=0.1``) or ``alpha=0.1``."""
         groups = self.to_dict()
+        names = {field.name for field in msgspec.structs.fields(type(self))}
         for name, value in changes.items():
             group, _, last = name.rpartition("__")
+            if not group and name not in names:
+                group = _group_with(type(self), name)
             (groups.setdefault(group, {}) if group else groups)[last] = value
         return self.from_dict(groups)
+
+
+def _nested(kind: type[Group], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Put keys of inner groups into their groups."""
+    fields = {field.name: field for field in msgspec.structs.fields(kind)}
+    keys = {name: value for name, value in given.items() if name in fields}
+    for name in given.keys() - fields.keys():
+        group = _group_with(kind, name)
+        with _under(group):
+            inner = _checked(fields[group].type, keys.get(group, fields[group].default))
+            keys[group] = inner.replace(**{name: given[name]})
+    return keys
+
+
+def _group_with(kind: type[Group], name: str) -> str:
+    """Return the only inner group that has a key; for another name the error lists the groups."""
+    inner = {field.name: field.type for field in msgspec.structs.fields(kind) if is_group(field.type)}
+    keys = {group: [field.name for field in msgspec.structs.fields(within)] for group, within in inner.items()}
+    groups = [group for group, names in keys.items() if name in names]
+    if len(groups) == 1:
+        return groups[0]
+    if groups:
+        raise ConfigurationError(name, f"is a key of {' and '.join(groups)}; name one, say {groups[0]}=...")
+    known = [f"{group} ({', '.join(names)})" for group, names in keys.items()] or [
+        field.name for field in msgspec.structs.fields(kind)
+    ]
+    raise ConfigurationError(shortened(name), f"unknown; known are {', '.join(known)}")
 
 
 class Key(NamedTuple):

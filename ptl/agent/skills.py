@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -43,7 +43,7 @@ class Update:
 
 @dataclass(repr=False)
 class SkillLibrary:
-    """The growing collection of skills.
+    """The growing collection of skills, in the order in which they were added; ``for skill in library`` yields them.
 
     Parameters
     ----------
@@ -65,6 +65,12 @@ class SkillLibrary:
 
     def __len__(self) -> int:
         return len(self.skills)
+
+    def __iter__(self) -> Iterator[Skill]:
+        return iter(self.skills)
+
+    def __getitem__(self, place: int) -> Skill:
+        return self.skills[place]
 
     def __repr__(self) -> str:
         return f"<SkillLibrary: {len(self)} skills, subgoals {self.subgoals}>"

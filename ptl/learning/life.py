@@ -192,33 +192,45 @@ def _is_draw(number: Any) -> bool:
 
 def learn_life(
     world: GridWorld,
-    tasks: Iterable[Task],
-    method: str | methods.Maker,
-    parameters: Parameters,
-    root_seed: int,
+    tasks: Iterable[Task | str],
+    method: str | methods.Maker = "ptl",
+    parameters: Parameters | None = None,
+    root_seed: int = 0,
     *stream_names: str | int,
 ) -> Life:
     """Learn tasks in order under one method.
+
+    >>> world = GridWorld.from_text("I...A\\n....B\\n")
+    >>> life = learn_life(world, "AB", parameters=Parameters(episodes=20))
+    >>> [len(record.steps) for record in life.records]
+    [20, 20]
 
     The random streams are named by the method, ``stream_names`` (say, environment and seed) and the task's place, so
     nothing depends on other jobs.
 
     Parameters
     ----------
+    tasks : iterable of Task or str
+        Tasks, or goal letters of the map such as "ABC", each learned from the map's start.
     method : str, type or function
         Reference, class or factory of the method, see `ptl.methods`.
+    parameters : Parameters, optional
+        By default those of the published run.
     """
+    parameters = Parameters() if parameters is None else parameters
     names = (methods.identifier(method), *stream_names)
     make = methods.load(method) if isinstance(method, str) else method
     dynamics = _dynamics(world)
     agent = make(world, parameters, seeding.generator(root_seed, *names, "choices"))
-    records = [
-        learn_task(
-            world, dynamics, task, agent, parameters, seeding.bit_generator(root_seed, *names, "steps", index), index
-        )
-        for index, task in enumerate(tasks)
-    ]
+    records = []
+    for index, task in enumerate(tasks):
+        stream = seeding.bit_generator(root_seed, *names, "steps", index)
+        records.append(learn_task(world, dynamics, _task(world, task), agent, parameters, stream, index))
     return Life(records, agent.library)
+
+
+def _task(world: GridWorld, task: Task | str) -> Task:
+    return Task(task, world.start, world.goal(task)) if isinstance(task, str) else task
 
 
 @lru_cache(maxsize=8)  # the lives on one map follow each other

@@ -109,12 +109,16 @@ def test_figure_is_drawn(ran: SimpleNamespace) -> None:
 # -- the notebook --------------------------------------------------------------------------------------------
 
 
-def test_notebook_is_made_from_the_script(notebook: dict, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("name", ["whole_argument", "first_look"])
+def test_notebooks_are_made_from_their_scripts(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(ROOT / "examples")
     from make_notebook import cells_of
 
+    path = ROOT / f"examples/{name}.ipynb"
+    notebook = json.loads(path.read_text(encoding="utf-8"))
     cells = [(cell["cell_type"], "".join(cell["source"])) for cell in notebook["cells"]]
-    assert cells == cells_of(SCRIPT.read_text(encoding="utf-8")), "run: python examples/make_notebook.py"
+    script = path.with_suffix(".py").read_text(encoding="utf-8")
+    assert cells == cells_of(script), "run: python examples/make_notebook.py"
 
 
 def test_notebook_shows_what_the_script_prints(ran: SimpleNamespace, notebook: dict) -> None:
@@ -125,8 +129,9 @@ def test_notebook_shows_what_the_script_prints(ran: SimpleNamespace, notebook: d
     assert set(picture["data"]) == {"image/png"}
 
 
-def test_notebook_is_small_and_names_no_machine() -> None:
-    text = NOTEBOOK.read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["whole_argument", "first_look"])
+def test_notebooks_are_small_and_name_no_machine(name: str) -> None:
+    text = (ROOT / f"examples/{name}.ipynb").read_text(encoding="utf-8")
     assert len(text) < 300_000
     words = re.sub(r'"image/png": "[^"]*"', "", text)
     assert not re.search(r"/(home|root|tmp|usr|Users|opt|work)/", words)

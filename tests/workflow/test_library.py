@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import ast
 import doctest
+import inspect
 import subprocess
 import sys
 import warnings
@@ -11,9 +13,12 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from matplotlib.figure import Figure
+from matplotlib.quiver import Quiver
 from projects import ROOT
 
 import ptl
+from ptl.config import Configuration, Environment
 from ptl.errors import UserError
 from ptl.world import gymnasium_env
 from ptl.world.gymnasium_env import ID, GridWorldEnv
@@ -106,6 +111,78 @@ def test_gymnasium_random_starts_never_lie_on_the_goal(env2):
     env.reset(seed=3)
     starts = {int(env.reset()[0]) for _ in range(3000)}
     assert env2.goals["A"] not in starts and len(starts) == env2.n_states - 1
+
+
+def test_a_life_needs_a_map_and_letters_only(env2):
+    few = ptl.Parameters(episodes=20)
+    life = ptl.learn_life(env2, "BA", parameters=few)
+    other = ptl.learn_life(env2, ptl.tasks_of(env2, "BA"), "ptl", few, 0)
+    assert [record.steps.tolist() for record in life.records] == [record.steps.tolist() for record in other.records]
+    assert len(ptl.learn_life(env2, "A").records[0].steps) == 200
+    with pytest.raises(UserError, match="no goal 'Z' on the map"):
+        ptl.learn_life(env2, "Z")
+
+
+def test_a_library_is_a_sequence_of_skills(env2):
+    library = ptl.learn_life(env2, "ABC").library
+    assert [skill.subgoal for skill in library] == library.subgoals and len(library) > 0
+    assert library[-1] is library.skills[-1]
+
+
+def test_parameters_take_keys_of_their_groups():
+    assert ptl.Parameters(alpha=0.1, prior_width=0.5) == ptl.Parameters(
+        learning=ptl.Learning(alpha=0.1), skills=ptl.Skills(prior_width=0.5)
+    )
+    mixed = ptl.Parameters(learning=ptl.Learning(alpha=0.1), gamma=0.5)
+    assert (mixed.learning.alpha, mixed.learning.gamma) == (0.1, 0.5)
+    assert mixed.replace(epsilon=0.3).learning == ptl.Learning(alpha=0.1, gamma=0.5, epsilon=0.3)
+    assert [field.__name__ for field in (ptl.Learning, ptl.Skills, ptl.Subgoals, ptl.PolicyReuse)]
+
+
+@pytest.mark.parametrize(
+    ("keys", "says"),
+    [
+        ({"alpha": 7}, "configuration key learning.alpha: 7 is not allowed; give a number > 0 and <= 1"),
+        ({"alhpa": 0.1}, "configuration key alhpa: unknown; known are learning (episodes, alpha, gamma, epsilon"),
+        ({"learning": None, "alpha": 0.1}, "configuration key learning: None is not allowed; give Learning(...)"),
+    ],
+)
+def test_parameters_name_the_group_of_a_wrong_key(keys, says):
+    with pytest.raises(UserError) as caught:
+        ptl.Parameters(**keys)
+    assert str(caught.value).startswith(says)
+
+
+def test_a_key_of_two_groups_is_refused():
+    with pytest.raises(UserError, match="trajectories: is a key of subgoals and subgoal_frequencies; name one"):
+        Configuration(run="a", methods=["ptl"], environments={"a": Environment(map="a.txt")}, trajectories=3)
+
+
+def test_the_stub_of_the_learner_has_every_public_name_and_argument():
+    stub = ast.parse((ROOT / "ptl/agent/_kernel.pyi").read_text(encoding="utf-8"))
+    for kind in (ptl.Learner, ptl.Dynamics):
+        [body] = [node.body for node in stub.body if isinstance(node, ast.ClassDef) and node.name == kind.__name__]
+        written = {node.name: node for node in body if isinstance(node, ast.FunctionDef)}
+        assert {*written} - {"__init__"} == {name for name in dir(kind) if not name.startswith("_")}
+        for name, node in written.items():
+            thing = getattr(kind, name)
+            if callable(thing) and name != "__init__":
+                given = [argument.arg for argument in (*node.args.args, *node.args.kwonlyargs)]
+                assert given == [*inspect.signature(thing).parameters], name
+
+
+def test_plots_show_map_values_and_curve(env2):
+    [record] = ptl.learn_life(env2, "A", parameters=ptl.Parameters(episodes=30)).records
+    axes = Figure().subplots(3)
+    ptl.plot_map(axes[0], env2, [3, 5])
+    assert {text.get_text() for text in axes[0].texts} == set("IABCDEF")
+    ptl.plot_values(axes[1], env2, record.q)
+    [arrows] = [part for part in axes[1].collections if isinstance(part, Quiver)]
+    assert arrows.N == np.count_nonzero(ptl.greedy_policy(record.q) >= 0) > 10
+    ptl.plot_values(axes[1], env2, np.zeros_like(record.q))  # nothing learned, nothing to colour
+    ptl.plot_curve(axes[2], record)
+    [line] = axes[2].lines
+    assert line.get_ydata().tolist() == record.steps.tolist() and line.get_label() == "task A"
 
 
 def test_results_are_shown_in_a_line(env2):

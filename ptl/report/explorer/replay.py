@@ -117,7 +117,7 @@ class _Watched(BaseMethod):
             return self.method.run_episode(learner)
         learner.record(MAX_RECORDED_STEPS)
         watched = _WatchedLearner(learner, self._guides())
-        drawn = self.method.run_episode(watched)
+        drawn = self.method.run_episode(watched)  # type: ignore[arg-type]  # acts as the learner
         self.notes.actions, self.notes.parts = learner.recorded, watched.parts
         return drawn
 
