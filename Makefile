@@ -95,9 +95,10 @@ docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to 
 
 build:  ## Install the package into .venv and compile its kernel.
 
-# One call at a time works on .venv, where there is flock. What a killed call leaves behind holds the lock as well.
+# One call at a time works on .venv, where there is flock and the file system has locks (-E 0: another call may hold this
+# one now). What a killed call leaves behind holds the lock as well.
 build test-tools benchmark-tools:
-	@$(if $(shell command -v flock),flock Makefile) $(MAKE) --no-print-directory $($@)
+	@$(if $(shell flock -n -E 0 Makefile true 2> /dev/null && echo yes),flock Makefile) $(MAKE) --no-print-directory $($@)
 
 # The folder that .venv was made in, which its scripts name; absent while packages are installed. So .venv is made anew
 # in another folder, under another Python and after a step that was killed.
@@ -127,7 +128,7 @@ $(build): $(if $(filter-out $(basename $(basename $(wildcard $(PYX:.pyx=.*.so)))
 	@echo Building ptl
 	@$(call try,command -v $(firstword $(CC)) > /dev/null,\
 	  no C compiler found; ptl needs one (on Debian or Ubuntu: apt-get install build-essential))
-	@rm -rf .venv/build-* $(PYX:.pyx=.c) $(wildcard $(PYX:.pyx=.*.so)) .venv/lib/python*/site-packages/ptl-*.dist-info
+	@rm -rf .venv/build-* $(PYX:.pyx=.c) $(wildcard $(PYX:.pyx=.*.so)) .venv/lib/python*/site-packages/ptl[-_]*.dist-info
 	@$(INSTALL) --no-deps --editable .
 	@.venv/bin/python -m compileall -q ptl
 	@touch $@

@@ -10,11 +10,12 @@ from pathlib import Path
 
 import pandas as pd
 
+import ptl
 from benchmarks.speed import BASE, EPISODES, SAMPLED_EVERY
 from ptl.report.table import Table, text_table, to_markdown
 from ptl.text import MISSING, estimate, number, percent
 
-PACKAGES = ("ptl", "numpy", "h5py", "snakemake", "gymnasium", "jax", "mdplib", "numba")
+PACKAGES = ("numpy", "h5py", "snakemake", "gymnasium", "jax", "mdplib", "numba")
 COLUMNS = ["part", "item", "quantity", "value", "low", "high", "repeats", "source"]
 
 PARTS = {
@@ -70,7 +71,7 @@ def machine() -> dict[str, str]:
         "memory": f"{os.sysconf('SC_PAGE_SIZE') * os.sysconf('SC_PHYS_PAGES') / 2**30:.1f} GiB",
         "system": f"{platform.system()} {platform.machine()}",
         "Python": f"{platform.python_implementation()} {platform.python_version()}",
-        "packages": ", ".join(f"{name} {metadata.version(name)}" for name in PACKAGES),
+        "packages": ", ".join([f"ptl {ptl.__version__}", *(f"{name} {metadata.version(name)}" for name in PACKAGES)]),
         "load before": f"{os.getloadavg()[0]:.2f} (1-minute average; 0 is an idle machine)",
     }
 

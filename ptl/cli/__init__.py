@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import codecs
 import gc
+import io
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -75,8 +77,29 @@ def commands() -> None:
     """Partial transfer learning with a skill library: run, inspect and verify single parts of the reproduction."""
 
 
+PLAIN = {"−": "-", "–": "-", "×": "x", "±": "+-", "∞": "inf", "…": "...", "≤": "<=", "≥": ">="}
+"""What is printed in place of a letter that the terminal's encoding lacks; other letters are printed as escapes."""
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    """Replace letters that an encoding lacks (a handler of `codecs`)."""
+    assert isinstance(error, UnicodeEncodeError)
+    letters = error.object[error.start : error.end]
+    shown = (PLAIN.get(letter) or letter.encode("ascii", "backslashreplace").decode() for letter in letters)
+    return "".join(shown), error.end
+
+
+def _tolerate_terminals() -> None:
+    """Let a terminal that is not UTF-8 (ISO-8859-1, cp1252) get all numbers."""
+    codecs.register_error("ptl_plain", _plain)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and codecs.lookup(stream.encoding).name != "utf-8":
+            stream.reconfigure(errors="ptl_plain")
+
+
 def main() -> None:
     """Run the command line; exit status 0 on success, 1 with one line on stderr on an error that the user can mend."""
+    _tolerate_terminals()
     try:
         environment = Path(sys.argv[0]).parent.parent
         if (environment / "pyvenv.cfg").exists():  # copied, its scripts name the Python of the original

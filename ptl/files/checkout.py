@@ -10,6 +10,18 @@ from ptl.errors import UserError
 PACKAGE = Path(__file__).parent.parent
 
 
+def check_workflow(folder: object) -> None:
+    """Refuse rules beside another copy of this package; Snakemake's ``folder`` of hosted rules is no path.
+
+    Raises
+    ------
+    UserError
+        As `check_checkout`.
+    """
+    if isinstance(folder, str | os.PathLike):
+        check_checkout(Path(folder).parent)
+
+
 def check_checkout(part: str | os.PathLike[str]) -> None:
     """Refuse a workflow or an environment that belongs to a copy of this package other than the running one.
 

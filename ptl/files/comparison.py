@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import io
+import os
 import re
 import subprocess
 from collections.abc import Callable, Mapping
@@ -76,6 +77,8 @@ def reference(text: str, folder: Path) -> Reference:
     result = Reference(
         f"git {revision} ({commit})", lambda product: _git(folder, "cat-file", "blob", f"{revision}:./{product}")
     )
+    if result.read(MANIFEST) is None and (reason := _reason(folder)):
+        raise NothingToCompareError(f"{folder}: git does not read the repository around it ({reason})")
     if text == PUBLISHED and result.read(MANIFEST) is None:
         if folder.name != PUBLISHED or not Path(KEPT, MANIFEST).is_file():
             raise NothingToCompareError(
@@ -101,11 +104,23 @@ def _content(file: Path) -> bytes | None:
 
 
 def _git(folder: Path, *arguments: str) -> bytes | None:
+    done = _run_git(folder, *arguments)
+    return done.stdout if done and done.returncode == 0 else None
+
+
+def _run_git(folder: Path, *arguments: str) -> subprocess.CompletedProcess[bytes] | None:
     try:
-        done = subprocess.run(["git", "-C", str(folder), *arguments], check=False, capture_output=True)
+        environment = os.environ | {"LC_ALL": "C"}  # for `_reason`
+        return subprocess.run(["git", "-C", str(folder), *arguments], check=False, capture_output=True, env=environment)
     except OSError:  # no git, or no such folder
         return None
-    return done.stdout if done.returncode == 0 else None
+
+
+def _reason(folder: Path) -> str:
+    """Return why git does not read a repository, say because it belongs to another user; empty if there is none."""
+    done = _run_git(folder, "rev-parse", "--git-dir")
+    message = done.stderr.decode(errors="replace") if done and done.returncode else ""
+    return "" if "not a git repository" in message else " ".join(message.split())
 
 
 @dataclass(frozen=True)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import atexit
+import errno
 import fcntl
 import os
 import socket
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from ptl.errors import UserError
@@ -34,11 +37,16 @@ def begin_run(*folders: str | os.PathLike[str]) -> None:
         sys.exit(f"error: {error}")
 
 
+NO_LOCKS = {errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP, errno.EINVAL}
+"""Errors of file systems without locks, such as Lustre and NFS as they are often mounted."""
+
+
 def hold_folder() -> None:
     """Lock the current folder until this process and all its jobs have ended, however they end.
 
     The operating system keeps the lock as long as a process has the locked file open. It becomes the standard input,
-    which jobs inherit, so that those of a killed run are waited for.
+    which jobs inherit, so that those of a killed run are waited for. On a file system without locks the file only names
+    the process, until this one ends; two runs that begin at the same moment are not noticed there.
 
     Raises
     ------
@@ -52,12 +60,15 @@ def hold_folder() -> None:
         raise UserError(f"{LOCK}: cannot be written ({error.strerror}); make this folder writable") from error
     deadline = time.monotonic() + PATIENCE
     told = False
-    while not _locked(file):
+    while (locked := _locked(file)) is not True:
         number, _, host = os.pread(file, 300, 0).decode().partition(" on ")
         if _lives(number, host):
-            raise UserError(
-                f"snakemake is running in this folder (process {number} on {host}); wait for it or end it first"
-            )
+            remedy = f"if it has ended, remove {LOCK}" if locked is None else "wait for it or end it first"
+            raise UserError(f"snakemake is running in this folder (process {number} on {host}); {remedy}")
+        if locked is None:
+            print("note: this file system has no locks; start one run at a time here", file=sys.stderr, flush=True)
+            atexit.register(_forget, os.getpid())
+            break
         if time.monotonic() > deadline:
             raise UserError(f"jobs of a killed run (process {number}) are still at work; end them first")
         if not told:
@@ -71,12 +82,24 @@ def hold_folder() -> None:
         os.close(file)
 
 
-def _locked(file: int) -> bool:
+def _locked(file: int) -> bool | None:
+    """Return whether the file is locked for this process now, None if there are no locks."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
+    except OSError as error:
+        if error.errno in NO_LOCKS:
+            return None
+        raise UserError(f"{LOCK}: cannot be locked ({error.strerror}); run in another folder") from error
     return True
+
+
+def _forget(number: int) -> None:
+    """Remove the name of a process from the file when it ends, so that no other one is taken for it."""
+    if os.getpid() == number:
+        with suppress(OSError):
+            LOCK.unlink()
 
 
 def _lives(number: str, host: str) -> bool:

@@ -11,13 +11,14 @@ from typing import Any
 
 import msgspec
 
+import ptl
 from ptl.errors import UserError
 from ptl.files.regular import NotReadable, read_bytes, sha256
 
 MANIFEST = "manifest.json"
 """Name of the manifest in a report folder."""
 
-PACKAGES = ("ptl", "numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
+PACKAGES = ("numpy", "scipy", "pandas", "matplotlib", "h5py", "snakemake")
 MAX_BYTES = 2**24
 """Maximum size of a manifest."""
 
@@ -50,7 +51,11 @@ def build(products: Iterable[Path], folder: Path, config: Mapping[str, Any], map
     return Manifest(
         config=dict(config),
         maps=dict(maps),
-        versions={"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+        versions={
+            "python": platform.python_version(),
+            "ptl": ptl.__version__,
+            **{name: version(name) for name in PACKAGES},
+        },
         products={path.relative_to(folder).as_posix(): sha256(path) for path in sorted(products)},
     )
 

@@ -152,6 +152,14 @@ def test_a_rerun_is_compared_with_what_git_holds(checkout):
         compare(checkout, reference("git:nowhere", checkout))
 
 
+def test_the_reason_why_git_does_not_read_a_repository_is_said(checkout, monkeypatch):
+    monkeypatch.setenv("GIT_TEST_ASSUME_DIFFERENT_OWNER", "1")  # as in a container, where root works in a user's clone
+    monkeypatch.setenv("GIT_CONFIG_GLOBAL", "/dev/null")
+    for text in (PUBLISHED, "git:HEAD"):
+        with pytest.raises(NothingToCompareError, match=r"detected dubious ownership .* safe\.directory"):
+            reference(text, checkout)
+
+
 def test_without_git_a_rerun_is_compared_with_the_copy_that_was_kept(tmp_path, monkeypatch):
     folder = make(tmp_path / "unpacked/reports/published")
     monkeypatch.chdir(tmp_path / "unpacked")

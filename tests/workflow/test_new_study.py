@@ -163,7 +163,7 @@ def test_it_runs_from_a_wheel(tmp_path: Path) -> None:
     pip = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check"]
     for command in (
         ["wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", tmp_path, ROOT],
-        ["install", "--no-deps", "--target", site, "--find-links", tmp_path, "--no-index", "ptl"],
+        ["install", "--no-deps", "--target", site, "--find-links", tmp_path, "--no-index", "ptl-skill-library"],
     ):
         done = subprocess.run([*pip, *map(str, command)], capture_output=True, text=True, cwd=tmp_path)
         assert done.returncode == 0, done.stderr

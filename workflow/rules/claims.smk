@@ -3,9 +3,7 @@
 
 rule decide:
     input:
-        maps=lambda wildcards: [
-            MAPS[name] for name in DECISION[f"decision/{wildcards.job}.h5"].maps
-        ],
+        maps=lambda wildcards: map_files(DECISION[f"decision/{wildcards.job}.h5"].maps),
     output:
         "<results>/decision/{job}.h5",
     log:
@@ -56,7 +54,7 @@ rule judge_claims:
         selection_cost=rules.library_cost.output.selection,
         library_bytes=rules.library_cost.output.storage,
         decision=lambda wildcards: decided(LAST_LOOK),
-        maps=[entry["map"] for entry in entries().values()],
+        maps=map_files(),
     output:
         csv="<reports>/claims.csv",
         parts="<reports>/claims_parts.csv",

@@ -10,7 +10,7 @@ from ptl.claims.decision import decision_jobs, goes_on
 from ptl.cli.forks import shell_prefix
 from ptl.errors import UserError
 from ptl.files import aging
-from ptl.files.checkout import check_checkout
+from ptl.files.checkout import check_workflow
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.foreign import seeds_of
 from ptl.files.job import packed
@@ -29,8 +29,15 @@ def refuse(error):
     os._exit(1)
 
 
+def prefixed(path):
+    """Path with the prefix that a module which uses these rules may give to all their files."""
+    return workflow.modifier.path_modifier.replace_prefix(str(path))
+
+
 try:
-    check_checkout(Path(workflow.current_basedir).parent)
+    check_workflow(workflow.current_basedir)
+    if workflow.modifier.path_modifier.modifies_prefixes:
+        raise UserError("replace_prefix: is not supported; give the module a prefix")
     check_build()
     for path in workflow.configfiles:
         read_yaml(path)  # refuses repeated keys, of which Snakemake keeps the last
@@ -46,7 +53,7 @@ try:
     COST = cost_of(RUN, WORLDS)
     check_cost(COST, allowed=bool(os.environ.get(FLAG)))
     if workflow.is_main_process:
-        refuse_other(*below(Path("logs", config["run"])))
+        refuse_other(*below(Path(prefixed(f"logs/{config['run']}"))))
     LEARNING = planned.learning_jobs(RUN, DIGESTS)
     MISLEADING = planned.misleading_jobs(RUN, DIGESTS)
     GROWTH = planned.growth_jobs(RUN, DIGESTS)
@@ -76,11 +83,13 @@ SECTIONS = (
     if ARTICLE
     else ["Figures", "Tables", "Explorer"]
 )
+# a function that is called later has no modifier any more
+PLACE = Path(prefixed(f"results/{config['run']}"))
 RESULTS, REPORTS = Path("results", config["run"]), Path("reports", config["run"])
 
 
 if workflow.is_main_process:
-    aging.age_results(RESULTS, [*JOBS.values()])
+    aging.age_results(PLACE, [*JOBS.values()])
     print(f"a whole run takes about {COST}", file=sys.stderr)
     for note in [note for read in READ.values() for note in read.notes]:
         print(f"note: {note}", file=sys.stderr)
@@ -130,7 +139,12 @@ def maps_of(wildcards, output):
 
 def job_at(path):
     """Job that makes the result file at this path."""
-    return JOBS[Path(path).relative_to(RESULTS).as_posix()]
+    return JOBS[Path(path).relative_to(PLACE).as_posix()]
+
+
+def map_files(names=ENVIRONMENTS):
+    """Map files of environments; a prefix of the module is for what is made."""
+    return [local(MAPS[name]) for name in names]
 
 
 def files_of(jobs):
@@ -221,7 +235,7 @@ def results_of(row):
 def sources_of(row):
     """Input files of a figure by kind, as its row asks for them."""
     files = {
-        "maps": [MAPS[name] for name in row.environments],
+        "maps": map_files(row.environments),
         "per_seed": rules.measure.output.per_seed,
         "steps": rules.measure.output.steps,
         "growth": rules.collect_growth.output[0],

@@ -3,7 +3,7 @@
 
 rule grow:
     input:
-        map=MAPS[config["growth"]["environment"]],
+        map=map_files([config["growth"]["environment"]]),
     output:
         "<results>/growth/run_{run}.h5",
     log:

@@ -3,7 +3,7 @@
 
 rule learn:
     input:
-        map=lambda wildcards: MAPS[wildcards.environment],
+        map=lambda wildcards: map_files([wildcards.environment]),
     output:
         "<results>/learning/{environment}/{method}/seed_{seed}.h5",
     log:

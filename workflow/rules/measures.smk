@@ -4,7 +4,7 @@
 rule measure:
     input:
         learning=files_of(LEARNING),
-        foreign=[entry["file"] for entry in FOREIGN.values()],
+        foreign=[local(entry["file"]) for entry in FOREIGN.values()],
     output:
         per_seed="<reports>/tables/per_seed.csv",
         subgoals="<reports>/tables/subgoals.csv",
@@ -49,7 +49,7 @@ rule collect_growth:
 
 rule library_cost:
     input:
-        maps=[entry["map"] for entry in entries().values()],
+        maps=map_files(),
     output:
         selection="<reports>/tables/selection_cost.csv",
         storage="<reports>/tables/library_bytes.csv",

@@ -1,7 +1,7 @@
 # The front page of the report, and the manifest of all products.
 
 
-report: os.path.abspath(f"reports/{config['run']}/front_page.rst")
+report: os.path.abspath(prefixed(REPORTS / "front_page.rst"))
 
 
 rule front_page:
@@ -36,7 +36,7 @@ CODES = {rule.name: rule.params.get("code") for rule in workflow.rules}
 CODES = {name: code for name, code in CODES.items() if isinstance(code, str)}
 
 if workflow.is_main_process:
-    aging.age_products(RESULTS, REPORTS, ASKED, CODES)
+    aging.age_products(PLACE, Path(prefixed(REPORTS)), ASKED, CODES)
 
 
 rule manifest:

@@ -3,7 +3,7 @@
 
 rule survey_batch:
     input:
-        map=lambda wildcards: MAPS[wildcards.environment],
+        map=lambda wildcards: map_files([wildcards.environment]),
     output:
         temp("<results>/subgoal_frequencies/{environment}/batch_{batch}.h5"),
     log:
