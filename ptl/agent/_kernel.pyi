@@ -27,6 +27,7 @@ class Learner:
         max_steps: SupportsIndex = ...,
         initial_q: ArrayLike | None = None,
         shortcut: bool = True,
+        ties: str = "random",
     ) -> None: ...
     @property
     def dynamics(self) -> Dynamics: ...

@@ -19,7 +19,8 @@ from ptl.files.csv import read_csv, write_csv
 from ptl.learning.life import learn_life, tasks_of
 from ptl.measures.measures import measure, runs_of
 from ptl.world.drawing import chain_of_rooms
-from ptl.world.gridworld import GridWorld, load_map, map_digest
+from ptl.world.gridworld import GridWorld, map_digest
+from ptl.world.map_files import load_map
 from studies.multiverse import adoption, compatibility, curves, page, shares
 from studies.multiverse.design import Multiverse, Point, drawings_of, parameters_of, read_study
 from studies.multiverse.jobs import Block, block_jobs, cost_of
