@@ -7,13 +7,14 @@ under all of its readings, and its class says how far it holds.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ptl.claims.claim import Claim, Judgement
 from ptl.claims.evidence import Evidence
 from ptl.claims.reading import Reading, tasks_text
 from ptl.claims.verdict import Outcome, Part, Verdict, decide
+from ptl.measures.statistics import Resampling
 
 EVERY, SOME, PARTLY, NONE, CONSTRUCTION, UNDECIDED = (
     "under every reading", "under some readings", "in part", "contradicted", "by construction", "undecided",
@@ -105,6 +106,12 @@ def degree_of(claim: Claim, outcomes: list[Outcomes]) -> Degree:
     if not hits:
         return Degree(PARTLY if any(outcome.some for outcome in outcomes) else NONE)
     return Degree(SOME, "; ".join(_when(claim, outcomes, hits)))
+
+
+def degrees_of(claims: Iterable[Claim], evidence: Evidence) -> list[Degree]:
+    """Return the degree of each claim by the means of the runs, as if there were no more to come."""
+    means = replace(evidence, how=Resampling(evidence.how.confidence, 0))
+    return [degree_of(claim, outcomes_of(judge_all_readings(claim, means))) for claim in claims]
 
 
 def _when(claim: Claim, outcomes: list[Outcomes], hits: list[Outcomes]) -> Iterator[str]:

@@ -1,10 +1,11 @@
-"""Growth of the library: a line of two slopes through its size against tasks learned (the article's figure 14)."""
+"""Growth of the library against tasks learned: a line of two slopes (the article's figure 14), and a smooth rival."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from ptl.errors import UserError
 
@@ -49,3 +50,30 @@ def fit_two_slopes(sizes: np.ndarray, bend: float) -> TwoSlopes:
     tasks = np.arange(last + 1.0)
     design = np.column_stack([np.ones_like(tasks), np.minimum(tasks, bend), np.maximum(tasks - bend, 0)])
     return TwoSlopes(bend, *np.moveaxis(sizes @ np.linalg.pinv(design).T, -1, 0))
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """A curve without a bend: ``scale * t ** exponent`` at t tasks."""
+
+    scale: float
+    exponent: float
+
+    def __call__(self, tasks: np.ndarray) -> np.ndarray:
+        """Return the height of the curve, float array of the shape of ``tasks``."""
+        return self.scale * np.asarray(tasks, dtype=float) ** self.exponent
+
+
+def fit_power_law(sizes: np.ndarray) -> PowerLaw:
+    """Fit a power law with an exponent of up to 2 by least squares to the sizes after 0, 1, ... tasks, (tasks + 1,)."""
+    tasks = np.arange(len(sizes), dtype=float)
+
+    def scale(exponent: float) -> float:
+        powers = tasks**exponent
+        return float(powers @ sizes / (powers @ powers))
+
+    def error(exponent: float) -> float:
+        return float(np.square(sizes - scale(exponent) * tasks**exponent).sum())
+
+    best = float(minimize_scalar(error, bounds=(1e-6, 2.0), method="bounded").x)
+    return PowerLaw(scale(best), best)

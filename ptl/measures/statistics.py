@@ -134,6 +134,13 @@ def ratio_of_means(
     return _bootstrap(_ratio, (numerators, denominators), how, generator, paired=True)
 
 
+def ratio_of_independent_means(
+    numerators: np.ndarray, denominators: np.ndarray, how: Resampling, generator: np.random.Generator
+) -> Estimate:
+    """Return the mean of the numerators (n,) over that of the denominators (m,), each resampled by itself."""
+    return _bootstrap(_ratio, (numerators, denominators), how, generator)
+
+
 def probability_of_improvement(
     values: np.ndarray,
     base: np.ndarray,

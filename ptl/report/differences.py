@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pandas as pd
 
 from ptl.claims.verdict import Outcome
-from ptl.report.ledger import FITTED
+from ptl.report.ledger import FITTED, class_text, in_words
 from ptl.report.table import Table, text_table
 from ptl.text import estimate
 
@@ -15,15 +17,17 @@ MAX_COMPARISONS = 6
 ORDER = [str(outcome) for outcome in (Outcome.FAILS, Outcome.AT_BOUND, Outcome.OPEN, Outcome.HOLDS)]
 
 
-def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
-    """Lay out the article's statement, the run's numbers and the verdicts for every claim.
+def differences_table(claims: pd.DataFrame, parts: pd.DataFrame, names: Mapping[str, str] | None = None) -> Table:
+    """Lay out the article's statement, the run's numbers, the class and the verdicts for every claim.
 
     Parameters
     ----------
     claims : DataFrame
-        Ledger: columns id, claim, verdict, verdict_30, verdict_plain, evidence.
+        Ledger: columns id, claim, class, holds_when, verdict, verdict_30, verdict_plain, evidence.
     parts : DataFrame
         Parts of the ledger: columns id, part, estimate, low, high, unit, demand, outcome.
+    names : mapping, optional
+        Name for readers of each method and environment.
     """
     rows = []
     for claim in claims.to_dict("records"):
@@ -33,12 +37,15 @@ def differences_table(claims: pd.DataFrame, parts: pd.DataFrame) -> Table:
         verdict = claim["verdict"]
         if claim["verdict_plain"]:
             verdict += f"\n(plain reading: {claim['verdict_plain']})"
-        rows.append((claim["id"], claim["claim"], numbers, verdict, claim["verdict_30"]))
+        degree = class_text(claim["class"], claim["holds_when"])
+        texts = (claim["claim"], in_words(numbers, names or {}), degree, verdict, claim["verdict_30"])
+        rows.append((claim["id"], *texts))
     headings = (
         "claim",
         "the article says",
         "this run gives",
-        "verdict",
+        "class",
+        "verdict by one reading",
         "on the tables' seeds",
     )
     return text_table(

@@ -1,4 +1,4 @@
-"""The first page: the question, the verdicts and the main result, for Snakemake's report and as a separate page."""
+"""The first page: the question, the claims and the main result, for Snakemake's report and as a separate page."""
 
 from __future__ import annotations
 
@@ -7,19 +7,20 @@ from typing import Any
 
 import pandas as pd
 
-from ptl.claims.verdict import Verdict
+from ptl.claims.degrees import CLASSES
 from ptl.measures.measures import BASE
+from ptl.measures.relative_steps import saved_percent
 from ptl.measures.sample_size import note
-from ptl.report.ledger import CLASSES, FITTED
+from ptl.report.ledger import FITTED, READINGS, STYLES, class_counts, counts_text
 from ptl.report.templating import render
 from ptl.text import estimate
 
 
 def compose(
     claims: pd.DataFrame | None,
-    metrics: pd.DataFrame,
+    steps: pd.DataFrame | None,
+    seeds: int,
     titles: Mapping[str, str],
-    tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> str:
     """Compose the page as reStructuredText.
@@ -27,86 +28,96 @@ def compose(
     Parameters
     ----------
     claims : DataFrame or None
-        Columns id, verdict, verdict_30; None for a run that is not about the article.
-    metrics : DataFrame
-        The table of estimates.
-    titles, tasks : mapping
-        Title and tasks of each environment. One with a single task is left out of the main table, because nothing is
-        transferred in a first task.
+        Columns id, claim, class, holds_when; None for a run that is not about the article.
+    steps : DataFrame or None
+        As of `ptl.measures.relative_steps.relative_steps`; None for a run in which nothing is compared.
+    seeds : int
+        Seeds of the tables.
+    titles : mapping
+        Title of each environment.
     labels : mapping
         Name of each method as readers see it.
     """
-    return render("front_page.rst", **_facts(claims, metrics, titles, tasks, labels))
+    return render("front_page.rst", **_facts(claims, steps, seeds, titles, labels))
 
 
 def compose_page(
     claims: pd.DataFrame | None,
-    metrics: pd.DataFrame,
+    steps: pd.DataFrame | None,
+    seeds: int,
     titles: Mapping[str, str],
-    tasks: Mapping[str, str],
     labels: Mapping[str, str],
     figures: Mapping[str, tuple[str, str]],
     tables: Mapping[str, str],
+    caption: str = "",
 ) -> str:
     """Compose ``index.html``, which shows the products in its folder: the first page, all figures, links to the tables.
 
     Parameters
     ----------
-    claims, metrics, titles, tasks, labels
+    claims, steps, seeds, titles, labels
         See `compose`.
     figures : mapping
         Title and caption of each figure, by the name of its files.
     tables : mapping
         Title of each table, by the name of its files.
+    caption : str
+        Caption of the picture ``front``.
     """
     rows = [] if claims is None else claims.to_dict("records")
-    kinds = {str(verdict): kind for verdict, kind in CLASSES.items()}
+    rows.sort(key=lambda row: list(CLASSES).index(row["class"]))
     return render(
         "index.html",
         title="Partial transfer learning" + (": a reproduction" if rows else " study"),
-        claims=[{**row, "kind": kinds[row["verdict"]]} for row in rows],
-        figures=[(name, title, caption) for name, (title, caption) in figures.items()],
+        claims=[{**row, "style": STYLES[row["class"]]} for row in rows],
+        figures=[(name, title, text) for name, (title, text) in figures.items()],
         tables=list(tables.items()),
-        **_facts(claims, metrics, titles, tasks, labels),
+        caption=caption,
+        **_facts(claims, steps, seeds, titles, labels),
     )
 
 
 def _facts(
     claims: pd.DataFrame | None,
-    metrics: pd.DataFrame,
+    steps: pd.DataFrame | None,
+    seeds: int,
     titles: Mapping[str, str],
-    tasks: Mapping[str, str],
     labels: Mapping[str, str],
 ) -> dict[str, Any]:
     """Return the contents of both forms of the page."""
-    article = claims is not None
-    if claims is None:
-        claims = pd.DataFrame(columns=["id", "verdict", "verdict_30"])
-    counts, few = (claims[column].value_counts() for column in ("verdict", "verdict_30"))
-    last_tasks = {name: letters[-1] for name, letters in tasks.items() if len(letters) > 1}
-    seeds = int(metrics["seeds"].max())
-    chosen = metrics[metrics["metric"] == "transfer_ratio"].set_index(["environment", "task", "method"])
-    return {
-        "article": article,
-        "places": list(titles.values()),
-        "total": len(claims),
-        "fitted": FITTED,
-        "counts": [(counts[verdict], verdict) for verdict in map(str, Verdict) if verdict in counts],
-        "few": [(few[verdict], verdict) for verdict in map(str, Verdict) if verdict in few],
-        "failing": list(claims.loc[claims["verdict"] == str(Verdict.NOT), "id"]),
-        "seeds": seeds,
-        "with_interval": note(seeds, "its interval"),
-        "heads": [f"{titles[name]}, task {task}" for name, task in last_tasks.items()],
-        "rows": [
-            (label, [_ratio(chosen, (name, task, method)) for name, task in last_tasks.items()])
+    names = [] if claims is None else list(claims["class"])
+    heads, rows = [], []
+    if steps is not None:
+        shown = steps.drop_duplicates(["environment", "tasks"]).groupby("environment", sort=False)["tasks"]
+        cases = [(name, tasks) for name, own in shown for tasks in dict.fromkeys((own.iloc[0], own.iloc[-1]))]
+        found = {(row["environment"], row["tasks"], row["method"]): row for row in steps.to_dict("records")}
+        heads = [f"{titles[name]}, {_tasks(tasks)}" for name, tasks in cases]
+        rows = [
+            (label, [_saved(found.get((name, tasks, method))) for name, tasks in cases])
             for method, label in labels.items()
             if method != BASE
+        ]
+    return {
+        "article": claims is not None,
+        "places": list(titles.values()),
+        "total": len(names),
+        "fitted": FITTED,
+        "readings": READINGS,
+        "counted": counts_text(names) if names else "",
+        "counts": [
+            {"name": name, "number": count, "style": STYLES[name], "meaning": CLASSES[name]}
+            for name, count in class_counts(names)
         ],
+        "seeds": seeds,
+        "with_interval": note(seeds, "its interval"),
+        "heads": heads,
+        "rows": rows,
     }
 
 
-def _ratio(chosen: pd.DataFrame, place: tuple[str, str, str]) -> str:
-    if place not in chosen.index:
-        return "not in this run"
-    row = chosen.loc[place]
-    return "no base in this run" if pd.isna(row["mean"]) else estimate(row["mean"], row["ci_low"], row["ci_high"])
+def _tasks(tasks: str) -> str:
+    return f"{tasks[0]} to {tasks[-1]} together" if len(tasks) > 1 else f"{tasks} (last task)"
+
+
+def _saved(row: Mapping[str, Any] | None) -> str:
+    return "not in this run" if row is None else estimate(*saved_percent(row), "%")

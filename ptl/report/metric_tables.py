@@ -21,7 +21,7 @@ from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report import table
 from ptl.report.table import Cell, Row, RowGroup, Table
 from ptl.report.table_kinds import KINDS, table_title
-from ptl.text import MISSING, interval, number, percent
+from ptl.text import MISSING, interval, number, percent, place_of
 
 NOT_REACHED = "not reached"
 
@@ -125,6 +125,8 @@ def build_tables(
         for kind in KINDS:
             columns = COLUMNS[kind]
             notes = [*_common_notes(frame, statistics, methods, reproduction), *_kind_notes(kind, measures)]
+            if kind == "transfer" and reproduction:
+                notes += _control_notes(metrics, environment, statistics)
             groups, numbers = _body(frame, columns, methods)
             parts = [part for column in columns for part in column.parts]
             tables.append(
@@ -189,9 +191,14 @@ def best_methods(column: MetricColumn, values: Mapping[str, Mapping[str, Any]]) 
     if not present:
         return set()
     choose = min if column.better == "lower" else max
-    best = number(choose(row[column.value] for row in present.values()))
-    chosen = {method for method, row in present.items() if number(row[column.value]) == best}
+    best = choose(present.values(), key=lambda row: row[column.value])
+    chosen = {method for method, row in present.items() if _read(column, row) == _read(column, best)}
     return set() if len(chosen) == len(values) else chosen
+
+
+def _read(column: MetricColumn, row: Mapping[str, Any]) -> str:
+    """Return the number as it is read in its cell."""
+    return number(row[column.value], place_of(row[column.low], row[column.high]))
 
 
 def _cells(column: MetricColumn, row: Mapping[str, Any], best: bool, is_base: bool) -> Iterator[Cell]:
@@ -200,7 +207,9 @@ def _cells(column: MetricColumn, row: Mapping[str, Any], best: bool, is_base: bo
         yield Cell(number(0.0))
     elif n:
         spread = row[column.spread] if column.spread else math.nan
-        text = number(row[column.value]) + ("" if math.isnan(spread) else f" ± {number(spread)}")
+        text = _read(column, row)
+        if not math.isnan(spread):
+            text += f" ± {number(spread, place_of(row[column.low], row[column.high]))}"
         yield Cell(text, interval(row[column.low], row[column.high]), best)
     else:
         yield Cell(NOT_REACHED if column.with_share else MISSING, aside=True)
@@ -220,8 +229,8 @@ def _numbers(column: MetricColumn, row: Mapping[str, Any], best: bool) -> dict[s
 def _kind_notes(kind: str, measures: Any) -> list[str]:
     if kind == "transfer":
         return [
-            "Jump start: first-episode steps of the base minus those of the method, same seed; positive is good. Its"
-            " percentage is a ratio of means; its P compares the first episodes.",
+            "Jump start: first-episode steps of the base minus those of the method; positive is good. Its percentage is"
+            " a ratio of means; its P compares the first episodes.",
             f"Asymptotic performance: mean steps of the last {measures.window} episodes.",
             f"Time to threshold: first episode at which the mean of the last {measures.window} is at most"
             f" {number(measures.threshold_factor)} times the shortest path. Its mean covers the seeds that reached it,"
@@ -234,14 +243,32 @@ def _kind_notes(kind: str, measures: Any) -> list[str]:
     ]
 
 
+def _control_notes(metrics: pd.DataFrame, environment: str, statistics: Any) -> Iterator[str]:
+    """Say how many jump starts of the first task have an interval without 0, where every one is a chance finding."""
+    first = metrics.groupby("environment")["task"].transform("first")
+    jumps = metrics[(metrics["task"] == first) & (metrics["metric"] == "jump_start") & (metrics["method"] != BASE)]
+    jumps = jumps.dropna(subset=["ci_low", "ci_high"])
+    if jumps.empty:
+        return
+    missed = (jumps["ci_low"] > 0) | (jumps["ci_high"] < 0)
+    own = jumps["environment"] == environment
+    yield (
+        f"Task {first[own.index[own][0]]} is a negative control: nothing is transferred yet, so every first episode has"
+        f" the same distribution. {missed[own].sum()} of the {own.sum()} intervals of its jump starts exclude 0, and"
+        f" {missed.sum()} of {len(jumps)} in all environments; {percent(1 - statistics.confidence)} would be expected."
+        " All methods are compared with the same runs of the base, so the intervals miss together; and those of"
+        " heavy-tailed values from few seeds are too narrow."
+    )
+
+
 def _common_notes(
     frame: pd.DataFrame, statistics: Any, methods: Mapping[str, tuple[str, str]], reproduction: bool
 ) -> list[str]:
     seeds = sorted({int(n) for n in frame["seeds"]})
     intervals = (
         f"in brackets the {percent(statistics.confidence)} bootstrap interval of the mean (BCa,"
-        f" {number(statistics.resamples)} resamples; paired by seed where a method is compared with the base; none for"
-        f" fewer than {MIN_FOR_INTERVAL} values)."
+        f" {number(statistics.resamples)} resamples; runs of a method and of the base with the same seed are"
+        f" subtracted, but independent; none for fewer than {MIN_FOR_INTERVAL} values)."
         if seeds[-1] >= MIN_FOR_INTERVAL
         else f"no intervals, which take at least {MIN_FOR_INTERVAL} seeds."
     )

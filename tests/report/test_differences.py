@@ -15,8 +15,10 @@ PART = {
     "unit": "steps",
     "outcome": "holds",
 }
-CLAIM = {"id": "a", "claim": "PTL is faster", "verdict": "reproduced", "verdict_30": "partly reproduced",
-         "verdict_plain": "", "evidence": "not in this run"}  # fmt: skip
+CLAIM = {"id": "a", "claim": "PTL is faster", "class": "under some readings", "holds_when": "on task F",
+         "verdict": "reproduced", "verdict_30": "partly reproduced", "verdict_plain": "",
+         "evidence": "not in this run"}  # fmt: skip
+DEGREE = "under some readings: on task F"
 
 
 def row(claim: dict, parts: list[dict]) -> list[str]:
@@ -26,18 +28,18 @@ def row(claim: dict, parts: list[dict]) -> list[str]:
 
 
 def test_statement_numbers_and_verdict_come_from_the_ledger():
-    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.123, 2] steps (holds)", "reproduced",
+    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.12, 2] steps (holds)", DEGREE, "reproduced",
                                 "partly reproduced"]  # fmt: skip
 
 
 def test_another_verdict_changes_nothing_but_the_verdict():
     before, after = row(CLAIM, [PART]), row(CLAIM | {"verdict": "not reproduced"}, [PART])
-    assert after == [*before[:3], "not reproduced", *before[4:]]
+    assert after == [*before[:4], "not reproduced", *before[5:]]
 
 
 def test_the_plain_reading_stands_beside_the_verdict():
     found = row(CLAIM | {"verdict_plain": "not reproduced"}, [PART])
-    assert found[3:] == ["reproduced\n(plain reading: not reproduced)", "partly reproduced"]
+    assert found[4:] == ["reproduced\n(plain reading: not reproduced)", "partly reproduced"]
 
 
 def test_a_share_reads_as_in_the_ledger():
@@ -54,7 +56,14 @@ def test_of_many_comparisons_those_that_do_not_hold_come_first():
 
 
 def test_a_claim_without_comparisons_gives_its_reason():
-    assert row(CLAIM | {"verdict": "undecided"}, [])[2:4] == ["not in this run", "undecided"]
+    assert row(CLAIM | {"verdict": "undecided"}, [])[2:5] == ["not in this run", DEGREE, "undecided"]
+
+
+def test_methods_and_environments_have_their_names():
+    parts = [PART | {"part": "env1, ptl_unknown_goal minus ptl"}]
+    names = {"ptl": "PTL", "ptl_unknown_goal": "PTL, goal unknown", "env1": "Environment 1"}
+    table = differences_table(pd.DataFrame([CLAIM]), pd.DataFrame(parts, columns=[*PART, "demand"]), names)
+    assert table.groups[0].rows[0].cells[1].text.startswith("environment 1, PTL, goal unknown minus PTL: ")
 
 
 def test_the_page_says_that_the_reading_was_fitted():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from importlib import import_module
+from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,18 +13,23 @@ import numpy as np
 import pandas as pd
 import pytest
 from lives import job, read_lives, write_life
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from ptl import methods
 from ptl.agent.selection import prior
+from ptl.claims.degrees import CLASSES
 from ptl.config import Environment, Learning, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files import store
 from ptl.jobs.learn import skills_of, tasks_in
 from ptl.jobs.survey import Survey
-from ptl.measures.growth import TwoSlopes
+from ptl.measures.growth import PowerLaw, TwoSlopes, fit_power_law
+from ptl.measures.measures import PER_SEED_COLUMNS
 from ptl.measures.run_files import read_steps, write_steps
-from ptl.report.figures import cells, figures, left_out, saving, style
+from ptl.report.figures import cells, figures, front, item_label, left_out, saving, style
+from ptl.report.figures.discovery import DOT, _diameter
 from ptl.report.figures.measures import trailing_mean
+from ptl.report.ledger import STYLES
 from ptl.report.script import Script
 from ptl.world.gridworld import GridWorld, map_digest
 
@@ -81,6 +87,17 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pd.DataFrame({"skills": skills, "operations": 3 + 7 * skills}).to_csv(folder / "selection.csv", index=False)
     storage = [(states, count, states * count) for states in (20, 50) for count in skills]
     pd.DataFrame(storage, columns=["states", "skills", "bytes"]).to_csv(folder / "storage.csv", index=False)
+    rows = [
+        ("small", task, method, seed, int(random.integers(100, 200)) * (1 + index) * (1 + (task == "C")))
+        for index, method in enumerate(METHODS)
+        for task in "ABC"
+        for seed in range(SEEDS)
+    ]
+    frame = pd.DataFrame(rows, columns=["environment", "task", "method", "seed", "total_steps"])
+    frame.reindex(columns=[*PER_SEED_COLUMNS]).fillna(1).to_csv(folder / "per_seed.csv", index=False)
+    classes = [name for name in CLASSES for _ in range(3)]
+    ids = [f"claim-{place}" for place in range(len(classes))]
+    pd.DataFrame({"id": ids, "class": classes[::-1]}).to_csv(folder / "claims.csv", index=False)
     return folder
 
 
@@ -91,6 +108,8 @@ GROUPS = {
     "growth": {"breakpoint": 7},
 }
 INPUTS = {
+    "front": {"per_seed": "per_seed.csv", "claims": "claims.csv"},
+    "front_narrow": {"per_seed": "per_seed.csv", "claims": "claims.csv"},
     "maps": {},
     "prior": {},
     "misleading_prior": {"misleading_prior": [work.place for work in LIVES]},
@@ -147,21 +166,24 @@ def test_every_module_of_the_registry_is_tested() -> None:
     config = {
         "seeds": 30, "methods": METHODS, "growth": {"runs": 3, "breakpoint": 7}, "statistics": {"confidence": 0.95},
         "subgoal_frequencies": {"starts": "all", "trajectories": 5},
-        "environments": {"small": {"title": "", "article_items": {}}},
+        "environments": {"small": {"title": "", "tasks": "ABC", "article_items": {}}},
     }  # fmt: skip
     rows = figures(config, article=True)
     assert {row.module for row in rows.values()} == {*INPUTS}
     assert set(figures({**config, "methods": ["no_transfer"]}, article=True)) == set(rows) - {
-        "figure04", "discovery_small", "figure13",
+        "figure04", "discovery_small", "figure13", "front", "front_narrow",
     }  # fmt: skip
+    only_one = {"small": config["environments"]["small"] | {"tasks": "A"}}
+    assert set(rows) - set(figures({**config, "environments": only_one}, article=True)) == {"front", "front_narrow"}
     assert left_out(config, article=True) == {}
     assert left_out({**config, "methods": ["no_transfer"]}, article=True) == {
-        "figure04": "ptl", "discovery_small": "ptl", "figure13": "ptl",
+        "figure04": "ptl", "discovery_small": "ptl", "figure13": "ptl", "front": "ptl", "front_narrow": "ptl",
     }  # fmt: skip
     # away from the article's maps no figure has a number of the article, and none is about it or its sources
     own = figures(config, article=False)
     assert set(own) == {
-        "prior", "map_small", "frequencies", "discovery_small", "curves", "measures", "growth", "library_cost"
+        "front", "front_narrow", "prior", "map_small",
+        "frequencies", "discovery_small", "curves", "measures", "growth", "library_cost"
     }  # fmt: skip
     assert all(row.item for row in own.values())
     assert not any("article" in row.caption or "article" in row.shows for row in own.values())
@@ -346,6 +368,93 @@ def test_odd_maps_can_be_drawn(kind: str, text: str, tmp_path: Path) -> None:
 def test_a_dollar_sign_in_a_title_starts_no_formula(kind: str, inputs: Path, tmp_path: Path) -> None:
     draw(kind, tmp_path / "figure.png", script(kind, inputs, {"title": r"$\spam$ for $5"}))
     assert (tmp_path / "figure.png").is_file()
+
+
+def test_a_power_law_is_found_and_starts_with_an_empty_library() -> None:
+    tasks = np.arange(31)
+    found = fit_power_law(1.7 * tasks**0.55)
+    assert (found.scale, found.exponent) == (pytest.approx(1.7, rel=1e-3), pytest.approx(0.55, rel=1e-3))
+    assert PowerLaw(2.0, 0.5)(np.array([0, 4])).tolist() == [0, 4]
+
+
+def test_dots_of_discovery_stay_in_their_cells() -> None:
+    sizes = _diameter(np.arange(1, 31), 30, 0.15)
+    assert (np.diff(np.square(sizes)) == pytest.approx(np.diff(np.square(sizes))[0])) and (np.diff(sizes) > 0).all()
+    assert sizes[-1] == pytest.approx(DOT[1] * 0.15 * cells.POINTS_PER_INCH) and DOT[1] < 1
+
+
+def test_item_labels_have_no_leading_zero() -> None:
+    assert item_label("figure03", SimpleNamespace(item="")) == "Figure 3"
+
+
+# -- the picture on the first page --------------------------------------------------------------------------
+
+
+def test_claims_of_the_picture_are_in_the_order_of_the_classes(frames: dict[str, pd.DataFrame]) -> None:
+    strip = frames["front"].dropna(subset="class")
+    assert list(dict.fromkeys(strip["class"])) == list(CLASSES) == list(style.CLASS_COLOURS)
+    assert strip["id"].tolist() == [
+        f"claim-{place}" for start in range(15, -1, -3) for place in range(start, start + 3)
+    ]
+    pd.testing.assert_frame_equal(frames["front"], frames["front_narrow"])
+
+
+def test_colours_of_classes_differ_in_lightness_as_on_the_pages() -> None:
+    def lightness(colour: str) -> float:
+        linear = [
+            part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in mpl.colors.to_rgb(colour)
+        ]
+        luminance = np.dot(linear, [0.2126, 0.7152, 0.0722])
+        return float(116 * np.cbrt(luminance) - 16)
+
+    assert np.diff(sorted(map(lightness, style.CLASS_COLOURS.values()))).min() > 8
+    sheet = (Path(front.__file__).parents[1] / "templates/ledger.css").read_text()
+    for name, kind in STYLES.items():
+        assert f"--{kind}: {style.CLASS_COLOURS[name]};" in sheet
+
+
+def test_ratios_of_the_picture_are_those_of_the_means(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
+    steps = frames["front"].dropna(subset="ratio")
+    assert list(dict.fromkeys(steps["tasks"])) == ["BC", "B", "C"]
+    assert "no_transfer" not in set(steps["method"])
+    means = pd.read_csv(inputs / "per_seed.csv").groupby(["method", "task"])["total_steps"].mean()
+    for row in steps.to_dict("records"):
+        own, base = (sum(means[method, task] for task in row["tasks"]) for method in (row["method"], "no_transfer"))
+        assert row["ratio"] == pytest.approx(own / base, rel=1e-4)
+        assert row["low"] < row["ratio"] < row["high"]
+
+
+def test_labels_of_the_picture_do_not_overlap(inputs: Path) -> None:
+    """With as many claims and names as long as the article's."""
+    claims = front.in_order(pd.DataFrame({"id": ["E1-asymptotic"] * 24, "class": [*CLASSES] * 4}))
+    frame = pd.read_csv(inputs / "out/front.csv").dropna(subset="ratio")
+    frame = pd.concat([frame.assign(environment=name) for name in ("one", "two", "three")])
+    looks = {name: style.method_look(name)[::-1] for name in METHODS}
+    for narrow in (False, True):
+        picture = front.draw(frame, claims, {}, looks, narrow)
+        canvas = FigureCanvasAgg(picture)
+        canvas.draw()
+        width, height = picture.canvas.get_width_height()
+        boxes = [
+            words.get_window_extent()
+            for words in picture.findobj(mpl.text.Text)
+            if words.get_visible() and words.get_text().strip() and not words.get_rotation() % 90
+        ]
+        assert all(box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height for box in boxes)
+        overlaps = [
+            1 for one, other in combinations(boxes, 2) if one.shrunk(0.96, 0.9).overlaps(other.shrunk(0.96, 0.9))
+        ]
+        assert not overlaps
+        slanted = [
+            words
+            for words in picture.findobj(mpl.text.Text)
+            if words.get_text() and words.get_rotation() == front.ANGLE and words.get_position()[1] == 0
+        ]
+        assert len(slanted) == (0 if narrow else 24)
+        if slanted:
+            places = sorted(words.get_window_extent().x1 for words in slanted)
+            size = slanted[0].get_fontsize() * picture.dpi / 72
+            assert np.diff(places).min() * np.sin(np.radians(front.ANGLE)) > size
 
 
 # -- refusals -----------------------------------------------------------------------------------------------

@@ -5,51 +5,55 @@ from __future__ import annotations
 import pandas as pd
 from docutils.core import publish_parts
 
+from ptl.claims.degrees import CLASSES
 from ptl.report.front_page import compose, compose_page
 
 CLAIMS = pd.DataFrame(
     {
         "id": ["a", "b", "c"],
         "claim": ["A", "B", "C"],
-        "verdict": ["reproduced", "not reproduced", "reproduced"],
-        "verdict_30": ["reproduced", "partly reproduced", "partly reproduced"],
+        "class": ["contradicted", "under every reading", "under some readings"],
+        "holds_when": ["", "", "on task F"],
     }
 )
-METRICS = pd.DataFrame(
+STEPS = pd.DataFrame(
     [
-        {"environment": "env1", "task": "F", "method": method, "metric": "transfer_ratio", "mean": mean,
-         "ci_low": mean - 0.1, "ci_high": mean + 0.1, "seeds": 30}
-        for method, mean in [("no_transfer", 0.0), ("ptl", 0.9), ("full_transfer", -0.4)]
+        {"environment": "env1", "tasks": tasks, "method": method, "ratio": ratio, "low": ratio - 0.1,
+         "high": ratio + 0.1}
+        for tasks, ptl in (("EF", 0.4), ("E", 0.7), ("F", 0.1))
+        for method, ratio in [("ptl", ptl), ("full_transfer", 1.4)]
     ]
 )  # fmt: skip
 LABELS = {"no_transfer": "No transfer", "ptl": "PTL", "full_transfer": "Full transfer"}
+ARGUMENTS = {"claims": CLAIMS, "steps": STEPS, "seeds": 30, "titles": {"env1": "Environment 1"}, "labels": LABELS}
 
 
 def page(**changes) -> str:
-    arguments = {"claims": CLAIMS, "metrics": METRICS, "titles": {"env1": "Environment 1"},
-                 "tasks": {"env1": "EF"}, "labels": LABELS} | changes  # fmt: skip
-    return compose(**arguments)
+    return compose(**(ARGUMENTS | changes))
 
 
-def test_front_page_counts_the_verdicts_and_names_what_failed():
+def test_front_page_counts_the_classes():
+    counted = "1 holds under every reading of the words, 1 holds under some readings only and 1 is contradicted"
+    assert f"Of 3 claims of the article, {counted}." in page()
+
+
+def test_front_page_shows_all_tasks_together_before_the_last_and_no_base():
     text = page()
-    assert "Of 3 claims of the article, **2 reproduced**, **1 not reproduced**." in text
-    assert "seeds of the tables alone would say: 1 reproduced, 2 partly reproduced." in text
-    assert "Not reproduced: b." in text
-    assert "Not reproduced" not in page(claims=CLAIMS[CLAIMS.verdict == "reproduced"])
-
-
-def test_front_page_shows_the_main_table_without_the_base():
-    text = page()
-    assert "0.9 [0.8, 1]" in text and "−0.4 [−0.5, −0.3]" in text
+    assert text.index("Environment 1, E to F together") < text.index("Environment 1, F (last task)")
+    assert "60% [50, 70]" in text and "90% [80, 100]" in text and "−40% [−50, −30]" in text
+    assert "30% [20, 40]" not in text
     assert "* - No transfer" not in text
     assert "not in this run" in page(labels={**LABELS, "policy_reuse": "Policy reuse"})
 
 
-def test_front_page_heads_nothing_with_a_first_task_and_says_why_intervals_are_missing():
-    assert "Transfer ratio on the last task" not in page(tasks={"env1": "F"})
+def test_a_single_task_with_transfer_is_shown_once():
+    assert page(steps=STEPS[STEPS.tasks == "F"]).count("Environment 1, ") == 1
+
+
+def test_front_page_says_why_there_is_no_table_and_no_interval():
+    assert "Steps saved" not in page(steps=None)
     assert "30 seeds with its interval;" in page()
-    assert "3 seeds (no interval: fewer than 5);" in page(metrics=METRICS.assign(seeds=3))
+    assert "3 seeds (no interval: fewer than 5);" in page(seeds=3)
 
 
 def test_front_page_is_proper_restructured_text():
@@ -60,21 +64,27 @@ def test_front_page_is_proper_restructured_text():
 
 def test_front_page_of_another_study_is_silent_on_the_article():
     text = page(claims=None)
-    assert "Environment 1, task F" in text and "0.9 [0.8, 1]" in text
+    assert "Environment 1, F (last task)" in text and "90% [80, 100]" in text
     assert "article" not in text and "claim" not in text and "Checks" not in text
 
 
-def test_the_page_shows_verdicts_figures_and_tables_and_escapes_names():
+def test_the_page_shows_claims_figures_and_tables_and_escapes_names():
     figures = {"figure12": ("Figure 12: steps", "Mean of <30> seeds.")}
-    arguments = {"claims": CLAIMS, "metrics": METRICS, "titles": {"env1": "A <b> room"}, "tasks": {"env1": "EF"}}
-    html = compose_page(**arguments, labels=LABELS, figures=figures, tables={"table1": "Table 1. Jump start"})
+    arguments = ARGUMENTS | {"titles": {"env1": "A <b> room"}, "figures": figures, "caption": "All <tasks>."}
+    html = compose_page(**arguments, tables={"table1": "Table 1. Jump start"})
     assert '<img src="figures/figure12.png" alt="Figure 12: steps"' in html and "Mean of &lt;30&gt; seeds." in html
     assert '<a href="tables/table1.html">Table 1. Jump start</a>' in html
-    assert '<a href="claims.html#b">b</a> <b>not reproduced</b>' in html
-    assert "A &lt;b&gt; room, task F" in html and "0.9 [0.8, 1]" in html
-    neutral = compose_page(**{**arguments, "claims": None}, labels=LABELS, figures=figures, tables={})
-    assert "article" not in neutral and "Verdicts" not in neutral and "study</h1>" in neutral
+    assert 'srcset="figures/front_narrow.png"' in html and "All &lt;tasks&gt;." in html
+    assert "A &lt;b&gt; room, F (last task)" in html and "90% [80, 100]" in html
+    places = [html.index(f'href="claims.html#{name}"') for name in "bca"]
+    assert places == sorted(places), "claims are in the order of the classes"
+    assert "<b>under some readings</b>: on task F" in html
+    assert all(CLASSES[name] in html for name in CLAIMS["class"])
+    neutral = compose_page(**{**arguments, "claims": None}, tables={})
+    body = neutral.partition("<body>")[2]
+    assert "article" not in body and "laim" not in body and "study</h1>" in body
+    assert "front.png" not in compose_page(**{**arguments, "caption": ""}, tables={})
 
 
-def test_front_page_says_that_the_reading_was_fitted():
+def test_front_page_says_that_the_settings_were_fitted():
     assert "is a fit and no prediction" in page()

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from test_table import HOSTILE, read
 
 from ptl.claims.claim import Claim, Judgement
+from ptl.claims.degrees import SOME, Degree
 from ptl.claims.verdict import Outcome, Part, Verdict
 from ptl.measures.statistics import Estimate
 from ptl.report import ledger
@@ -24,13 +25,17 @@ def judgement(parts: list[Part], statement: str = "PTL is faster", note: str = "
     return Judgement(claim, Verdict.PARTLY, tuple(parts), (note,))
 
 
+def entry(judged: Judgement, when: str = "on task F") -> ledger.Entry:
+    return ledger.Entry(judged, judged, Degree(SOME, when))
+
+
 def test_every_file_reads_a_value_alike():
-    judged = [judgement([part()])]
-    text = "steps: 15,260 [5,238, 24,910] steps"
-    assert ledger.to_frame(judged, judged)["evidence"].tolist() == [f"{text} (> 0: holds); a note"]
-    assert f'{text} <span class="demand">(&gt; 0: holds)</span>' in ledger.to_html(judged, judged, RUN)
-    assert text.replace("[", r"\[").replace("]", r"\]") in ledger.to_markdown(judged, judged, RUN)
-    numbers = ledger.to_parts_frame(judged, judged)[["estimate", "low", "high"]]
+    rows = [entry(judgement([part()]))]
+    text = "steps: 15,300 [5,200, 24,900] steps"
+    assert ledger.to_frame(rows)["evidence"].tolist() == [f"{text} (> 0: holds); a note"]
+    assert f'{text} <span class="demand">(&gt; 0: holds)</span>' in ledger.to_html(rows, RUN)
+    assert text.replace("[", r"\[").replace("]", r"\]") in ledger.to_markdown(rows, RUN)
+    numbers = ledger.to_parts_frame(rows)[["estimate", "low", "high"]]
     assert numbers.to_numpy().tolist() == [[15261.3, 5238.0, 24907.0]]
 
 
@@ -40,13 +45,13 @@ def test_of_many_parts_those_that_do_not_hold_are_written_out():
     headline, first, second, note = ledger.evidence_lines(judgement(parts))
     assert headline == "8 of 10 parts hold, 1 fail, 0 at the bound, 1 open"
     assert first.startswith("failing one:") and second.startswith("open one:") and note == "a note"
-    page = ledger.to_html([judgement(parts)], [judgement(parts)], RUN)
+    page = ledger.to_html([entry(judgement(parts))], RUN)
     assert "all 10 parts" in page and page.count("part 3:") == 1
 
 
 def test_text_never_becomes_markup():
-    judged = [judgement([part(HOSTILE)], HOSTILE, HOSTILE)]
-    assert "script" not in read(ledger.to_html(judged, judged, RUN)).tags
-    rows = [line for line in ledger.to_markdown(judged, judged, RUN).splitlines() if line.startswith("|")]
-    assert {len(re.findall(r"(?<!\\)\|", row)) for row in rows} == {7}
-    assert "<script>" not in re.sub(r"\\.", "", rows[-1])
+    rows = [entry(judgement([part(HOSTILE)], HOSTILE, HOSTILE), HOSTILE)]
+    assert "script" not in read(ledger.to_html(rows, RUN)).tags
+    lines = [line for line in ledger.to_markdown(rows, RUN).splitlines() if line.startswith("| **")]
+    assert {len(re.findall(r"(?<!\\)\|", line)) for line in lines} == {6}
+    assert "<script>" not in re.sub(r"\\.", "", lines[-1])

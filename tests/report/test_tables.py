@@ -78,7 +78,8 @@ def cell(table: Table, task: str, method: str, heading: str, unit: str) -> Cell:
 def values(**means: float | tuple[float, float]) -> dict[str, dict[str, float]]:
     """Rows of one metric by method: a mean, or a mean and the share of seeds that reached the threshold."""
     pairs = {name: mean if isinstance(mean, tuple) else (mean, np.nan) for name, mean in means.items()}
-    return {name: {"mean": mean, "reached": reached} for name, (mean, reached) in pairs.items()}
+    ends = {"ci_low": np.nan, "ci_high": np.nan}
+    return {name: {"mean": mean, "reached": reached, **ends} for name, (mean, reached) in pairs.items()}
 
 
 # -- best values ---------------------------------------------------------------------------------------------
@@ -92,6 +93,13 @@ def test_the_best_value_is_that_of_the_direction():
 def test_all_that_read_the_same_are_best_but_never_everyone():
     assert best_methods(MORE, values(a=0.9001, b=0.9004, c=0.2)) == {"a", "b"}
     assert best_methods(MORE, values(a=0.9001, b=0.9004)) == set()
+
+
+def test_numbers_that_read_the_same_at_the_precision_of_their_intervals_are_both_best():
+    rows = values(a=106.0, b=112.0, c=180.0)
+    for row in rows.values():
+        row |= {"ci_low": row["mean"] - 300, "ci_high": row["mean"] + 300}
+    assert best_methods(FEWER, rows) == {"a", "b"}
 
 
 def test_missing_values_do_not_compete():
@@ -144,7 +152,7 @@ def test_a_comparison_shows_its_improvement_once():
 def test_cells_show_mean_deviation_interval_and_improvement(built):
     table, _ = built[1]
     total = cell(table, "B", "ptl", "Total performance", "steps")
-    assert total.text == "3,000 ± 1,581"  # deviation of 1000, 2000, 3000, 4000, 5000
+    assert total.text == "3,000 ± 1,600"  # deviation of 1000, 2000, 3000, 4000, 5000; the interval is thousands wide
     assert re.fullmatch(r"\[[\d,]+, [\d,]+\]", total.detail) and total.best
     assert cell(table, "B", "ptl", "Total performance", "P").text == "1"
 
@@ -184,6 +192,19 @@ def test_notes_name_runs_interval_and_truncations(built):
     notes = " ".join(table.all_notes)
     assert "over 5 seeds" in notes and "95% bootstrap" in notes and "1.5 times the shortest path" in notes
     assert "task B, <Other>: 1" in notes
+
+
+def test_the_first_task_is_said_to_be_a_negative_control():
+    frame = per_seed()
+    arguments = SimpleNamespace(window=10, threshold_factor=1.5), SimpleNamespace(confidence=0.95, resamples=100)
+    metrics = summarise(frame, Resampling(0.95, 100))
+    own = metrics[(metrics["environment"] == "env1") & (metrics["task"] == "A") & (metrics["metric"] == "jump_start")]
+    own = own[own["method"] != "no_transfer"].dropna(subset="ci_low")
+    missed = int(((own["ci_low"] > 0) | (own["ci_high"] < 0)).sum())
+    (table, _), (other, _) = build_tables(metrics, *arguments, METHODS, {"env1": "Rooms"}, reproduction=True)
+    [note] = [note for note in table.notes if "negative control" in note]
+    assert f"{missed} of the {len(own)} intervals of its jump starts exclude 0" in note and "5% would" in note
+    assert not any("negative control" in note for note in other.notes)
 
 
 def test_a_run_without_the_base_says_so():

@@ -74,6 +74,7 @@ rule judge_claims:
         jobs=packed(DECISION.values()),
         maps=map_digests(),
         environments=entries(),
+        looks=looks(),
         code=code_digest(
             "ptl.claims.decision", "ptl.claims.evidence_files", "ptl.report.ledger"
         ),
@@ -102,6 +103,8 @@ rule explain_differences:
     conda:
         "../envs/ptl.yaml"
     params:
+        environments=entries(),
+        looks=looks(),
         code=code_digest("ptl.report.differences"),
     message:
         "Comparing the run with the article's statements"

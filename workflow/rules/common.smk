@@ -243,6 +243,8 @@ def sources_of(row):
         "library_bytes": rules.library_cost.output.storage,
     }
     files |= {kind: files_of(jobs) for kind, jobs in results_of(row).items()}
+    if ARTICLE:
+        files["claims"] = rules.judge_claims.output.csv
     return {kind: files[kind] for kind in row.needs}
 
 

@@ -8,6 +8,7 @@ rule front_page:
     input:
         **({"claims": rules.judge_claims.output.csv} if ARTICLE else {}),
         metrics=rules.tabulate.output.metrics,
+        **({"front": "<reports>/figures/front.csv"} if "front" in FIGURES else {}),
     output:
         text="<reports>/front_page.rst",
         page="<reports>/index.html",
@@ -22,7 +23,9 @@ rule front_page:
         figures={
             name: (f"{item_label(name, row)}: {row.shows}", row.caption)
             for name, row in FIGURES.items()
+            if not row.on_top
         },
+        front=FIGURES["front"].caption if "front" in FIGURES else "",
         tables=TABLES,
         code=code_digest("ptl.report.front_page"),
     message:

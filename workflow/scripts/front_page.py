@@ -7,8 +7,11 @@ from ptl.report.script import running
 
 with running(snakemake) as script:
     labels = {name: label for name, (label, _) in script.looks.items()}
-    tasks = {name: entry.tasks for name, entry in script.environments.items()}
-    claims = read_csv(script.input.claims, keep_default_na=False) if "claims" in script.input.keys() else None  # noqa: SIM118
-    shown = (claims, read_csv(script.input.metrics), script.titles, tasks, labels)
+    inputs = set(script.input.keys())
+    claims = read_csv(script.input.claims, keep_default_na=False) if "claims" in inputs else None
+    steps = read_csv(script.input.front).dropna(subset="ratio") if "front" in inputs else None
+    seeds = int(read_csv(script.input.metrics)["seeds"].max())
+    shown = (claims, steps, seeds, script.titles, labels)
+    given = snakemake.params
     write_text(script.output.text, compose(*shown))
-    write_text(script.output.page, compose_page(*shown, snakemake.params.figures, snakemake.params.tables))
+    write_text(script.output.page, compose_page(*shown, given.figures, given.tables, given.front))

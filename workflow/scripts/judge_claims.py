@@ -1,7 +1,8 @@
 """Judge every claim of the article, from the runs of the tables and from those that decide."""
 
-from ptl.claims import judge
+from ptl.claims import CLAIMS, judge
 from ptl.claims.decision import confidence_at, evidence_of
+from ptl.claims.degrees import degrees_of
 from ptl.claims.evidence_files import read_evidence
 from ptl.files.atomic import write_text
 from ptl.files.csv import write_csv
@@ -14,16 +15,18 @@ with running(snakemake) as script:
     files = {name: str(getattr(script.input, name)) for name in FILES}
     evidence = read_evidence(script.worlds, script.groups, **files)
     few = judge(evidence)
-    judgements, run = few, ledger.run_text(evidence.n_seeds(), script.groups.statistics)
+    deciding, run = evidence, ledger.run_text(evidence.n_seeds(), script.groups.statistics)
     if script.input.decision:
         costs = {name: getattr(evidence, name) for name in ("selection_cost", "library_bytes")}
         results = list(script.results(script.input.decision))
         looks = script.groups.decision.looks
         last = max(result.job.look for result in results)
         level = confidence_at(last, looks, script.groups.statistics.confidence)
-        judgements = judge(evidence_of(results, script.groups, level, **costs))
+        deciding = evidence_of(results, script.groups, level, **costs)
         run = ledger.decided_text(results, looks, level, evidence.n_seeds(), script.groups.statistics)
-    write_csv(ledger.to_frame(judgements, few), script.output.csv)
-    write_csv(ledger.to_parts_frame(judgements, few), script.output.parts)
-    write_text(script.output.md, ledger.to_markdown(judgements, few, run))
-    write_text(script.output.html, ledger.to_html(judgements, few, run))
+    entries = [*map(ledger.Entry, judge(deciding), few, degrees_of(CLAIMS, deciding))]
+    names = script.titles | {name: label for name, (label, _) in script.looks.items()}
+    write_csv(ledger.to_frame(entries), script.output.csv)
+    write_csv(ledger.to_parts_frame(entries), script.output.parts)
+    write_text(script.output.md, ledger.to_markdown(entries, run, names))
+    write_text(script.output.html, ledger.to_html(entries, run, names))

@@ -30,6 +30,19 @@ ARTICLE_NUMBERS = {
 ARTICLE_ONLY = {"misleading_prior"}
 """Figures that are about the article, not about the environments of a run."""
 
+GREEDY = (
+    " Policy reuse follows its own policy greedily, while the other methods keep acting at random now and then; so the"
+    " ends of its curves are not to be compared with theirs."
+)
+"""What a caption says of curves with policy reuse."""
+
+FITTED_MAPS = {"config/environments/env1.txt", "config/environments/env2.txt"}
+FITTED_DRAWING = (
+    " This drawing is ours; of several that agree with the article's words it was chosen because more of the article's"
+    " claims come out with it."
+)
+"""Maps that were chosen because they fit, and what their captions say."""
+
 ALWAYS_SHOWN = {"no_transfer", "ptl"}
 """Methods that some figures require."""
 
@@ -60,6 +73,8 @@ class Figure:
         Section of the report.
     item : str
         Name in the report of a figure without a number.
+    on_top : bool
+        Whether it opens the first page instead of standing among the figures.
     """
 
     module: str
@@ -72,6 +87,7 @@ class Figure:
     with_foreign: bool = False
     category: str = "Figures"
     item: str = ""
+    on_top: bool = False
 
 
 def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
@@ -97,7 +113,35 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
     off = {kind for kind, number in (("frequencies", survey["starts"]), ("growth", growth["runs"])) if not number}
     level = f"{percent(config['statistics']['confidence'])} bootstrap interval"
 
+    later = [entry["tasks"][1:] for entry in entries.values()]
+    strip = (
+        " Below, the article's claims by how far they hold over all readings of their words; the page of the claims"
+        " defines the classes."
+    )
+    front: dict[str, Any] = {
+        "shows": "steps of every task relative to no transfer",
+        "caption": (
+            "Total steps of each method relative to those without transfer (ratio of the means over"
+            f" {seeds} seeds{note(seeds, level)}, log scale): below 1 a method saves steps. The runs of two methods are"
+            " independent, so their means are resampled independently. First all tasks with something to transfer"
+            " together, then each of them; the last one, which the learning curves show, is shaded." + strip * article
+        ),
+        "needs": ("per_seed", "claims") if article else ("per_seed",),
+        "groups": ("statistics",),
+        "environments": tuple(name for name, tasks in zip(names, later, strict=True) if tasks),
+        "methods": tuple(dict.fromkeys(("no_transfer", *every_method))),
+        "with_foreign": True,
+        "on_top": True,
+    }
     rows = {
+        **(
+            {
+                "front": Figure("front", item="Overview", **front),
+                "front_narrow": Figure("front_narrow", item="Overview, narrow", **front),
+            }
+            if any(later) and (compared - {"no_transfer"} or config.get("foreign_results"))
+            else {}
+        ),
         "prior": Figure(
             "prior",
             "prior of a skill by where it ends",
@@ -110,10 +154,11 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         ),
         "misleading_prior": Figure(
             "misleading_prior",
-            "the likelihood overrules a misleading prior",
-            "A small map of our own in which the cell nearest to the goal in a straight line is behind a wall. Left,"
+            "the likelihood against a misleading prior",
+            "A small map of our own in which the subgoal nearest to the goal in a straight line is behind a wall. Left,"
             " the map with the library's subgoals; right, the probability of each skill over the episodes: mean over"
-            f" {seeds} runs of ptl{note(seeds, level)}.",
+            f" {seeds} runs of PTL{note(seeds, level)}, drawn at some episodes. On average the likelihood moves"
+            " probability from the nearest skill to the one that helps; single runs differ.",
             needs=("misleading_prior",),
             groups=("statistics",),
             methods=("ptl",),
@@ -123,7 +168,8 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
                 "maps",
                 f"map of {entries[name]['title']}",
                 "The map with the start I and the goals of the tasks."
-                + " docs/reconstruction.md says where the drawing comes from." * bool(entries[name]["article_items"]),
+                + " docs/reconstruction.md says where the drawing comes from." * bool(entries[name]["article_items"])
+                + FITTED_DRAWING * (entries[name].get("map") in FITTED_MAPS),
                 needs=("maps",),
                 environments=(name,),
                 item="Map",
@@ -145,8 +191,9 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
                 "discovery",
                 f"subgoal discovery in {entries[name]['title']}",
                 "The FD metric (frequency times distance) after late tasks, original and incremental, on the same"
-                f" trajectories, those of the ptl runs; mean over {seeds} seeds. Circles mark the chosen subgoals;"
-                " their area grows with the number of seeds.",
+                f" trajectories, those of the PTL runs; mean over {seeds} seeds. Dots mark the peak of the original"
+                " metric and the subgoal that was stored by the incremental one, which may be none; their area grows"
+                " with the number of seeds.",
                 needs=("learning",),
                 environments=(name,),
                 methods=("ptl",),
@@ -157,8 +204,10 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         "curves": Figure(
             "curves",
             "steps per episode on the last task",
-            f"Steps per episode on the last task of each environment: mean over {seeds} seeds{note(seeds, level)}, log"
-            " scale. The dotted line is the shortest path.",
+            f"Steps per episode on the last task of each environment: mean over {seeds} seeds{note(seeds, level)} and"
+            " median, log scale. A few long runs raise the mean, not the median. The dotted line is the shortest path."
+            + GREEDY
+            * ("policy_reuse" in curves),
             needs=("steps", "maps"),
             groups=("statistics",),
             environments=names,
@@ -169,10 +218,12 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         "measures": Figure(
             "measures",
             "the measures of transfer on real curves",
-            f"Three measures of transfer drawn on curves of this run (mean over {seeds} seeds): jump start, asymptotic"
-            " performance and time to threshold.",
+            f"The measures of transfer on curves of this run, mean over {seeds} seeds{note(seeds, level)}. Left, log"
+            " scale: time to threshold and asymptotic performance. Right, linear scale, the episodes in which the"
+            " curves differ most: the jump start, and the steps saved, which are the area between the curves; the"
+            " transfer ratio is their share of the area below the curve without transfer.",
             needs=("steps", "maps"),
-            groups=("measures",),
+            groups=("measures", "statistics"),
             environments=(_shown_in(entries, "measures"),),
             methods=("no_transfer", "ptl"),
             item="Measures",
@@ -181,8 +232,8 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
             "growth",
             "growth of the skill library",
             "Skills in the library against tasks learned, random start and goal for each task: mean over"
-            f" {growth['runs']} lives{note(growth['runs'], level)}; a fit of two slopes that meet at"
-            f" {growth['breakpoint']} tasks.",
+            f" {growth['runs']} lives{note(growth['runs'], level)}. Two fits to the means: two slopes that meet at"
+            f" {growth['breakpoint']} tasks, and a power law, which has no bend.",
             needs=("growth",),
             groups=("growth", "statistics"),
             item="Growth",
@@ -216,8 +267,8 @@ def left_out(config: Mapping[str, Any], article: bool) -> dict[str, str]:
 
 
 def item_label(name: str, row: Figure) -> str:
-    """Return the name of a figure for readers: ``figure09`` is Figure 09, others have the name in their row."""
-    return f"Figure {name.removeprefix('figure')}" if name.startswith("figure") else row.item
+    """Return the name of a figure for readers: ``figure09`` is Figure 9, others have the name in their row."""
+    return f"Figure {int(name.removeprefix('figure'))}" if name.startswith("figure") else row.item
 
 
 def _item(environments: Mapping[str, Any], name: str, kind: str) -> str:

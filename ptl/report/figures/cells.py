@@ -1,4 +1,4 @@
-"""Drawing of maps: cells, walls, letters, heat and rings."""
+"""Drawing of maps: cells, walls, letters, heat and dots."""
 
 from __future__ import annotations
 
@@ -26,6 +26,8 @@ LETTER: dict[str, Any] = {
     "ha": "center", "va": "center_baseline", "zorder": 6,
 }  # fmt: skip
 """Type of the letters on maps; with serifs the start's I cannot be mistaken for a bar."""
+DOT_LOOK: dict[str, Any] = {"markerfacecolor": "white", "markeredgecolor": style.INK, "markeredgewidth": 1.2}
+"""Dots that are seen on light and on dark cells."""
 MAX_CELL_SIDE = 0.42
 """Maximum side of a drawn cell in inches; without it the cells of a tiny map would fill a slide."""
 
@@ -141,14 +143,11 @@ def draw_places(
             axes.text(column, row, letter, fontsize=size, color=style.INK, path_effects=[rim], **LETTER)
 
 
-def draw_rings(axes: Axes, world: GridWorld, states: Sequence[int], sizes: np.ndarray) -> None:
-    """Draw white rings with a dark rim around states; ``sizes`` are diameters in points."""
-    if len(states) == 0:
-        return
-    row, column = world.cells[np.asarray(states)].T
-    areas = np.square(sizes)
-    axes.scatter(column, row, s=areas, facecolors="none", edgecolors=style.INK, linewidths=4.2, zorder=4, clip_on=False)
-    axes.scatter(column, row, s=areas, facecolors="none", edgecolors="white", linewidths=2.0, zorder=5, clip_on=False)
+def draw_dots(axes: Axes, world: GridWorld, states: Sequence[int], sizes: np.ndarray) -> None:
+    """Draw white dots with a dark rim in states; ``sizes`` are diameters in points."""
+    for state, size in zip(states, sizes, strict=True):
+        row, column = world.cells[state]
+        axes.plot(column, row, "o", markersize=size, zorder=5, **DOT_LOOK)
 
 
 def cell_side(world: GridWorld, width: float, height: float = math.inf) -> float:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.lines import Line2D
 
 from ptl.measures.measures import Steps
 from ptl.report.figures import style
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
     from ptl.config import Statistics
     from ptl.report.script import Script
     from ptl.world.gridworld import GridWorld
+
+MEDIAN: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (3, 1.2))}
+"""Line of the medians, which the few long runs of heavy tails do not move."""
 
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
@@ -37,7 +42,7 @@ def curves(
     methods: Sequence[str],
     statistics: Statistics,
 ) -> pd.DataFrame:
-    """Compute mean steps per episode over seeds with pointwise intervals.
+    """Compute mean and median steps per episode over seeds, the mean with pointwise intervals.
 
     Parameters
     ----------
@@ -53,7 +58,7 @@ def curves(
     Returns
     -------
     DataFrame
-        Columns environment, task, method, episode (from 1), mean, ci_low, ci_high, seeds, shortest_path,
+        Columns environment, task, method, episode (from 1), mean, ci_low, ci_high, median, seeds, shortest_path,
         confidence.
     """
     parts = []
@@ -66,6 +71,7 @@ def curves(
             values = steps[environment, method, task]
             mean, low, high = mean_band(values, statistics.confidence, statistics.resamples)
             part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
+            part["median"] = np.median(values, axis=0)
             for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
                 part.insert(place, name, value)
             parts.append(part.assign(seeds=len(values), shortest_path=shortest, confidence=statistics.confidence))
@@ -91,8 +97,9 @@ def draw(frame: pd.DataFrame, titles: Mapping[str, str], looks: Mapping[str, tup
         axes.set_ylabel("steps per episode")
     named = [zip(*axes.get_legend_handles_labels(), strict=True) for axes in panels.flat]
     lines = {label: line for pairs in named for line, label in pairs}
+    lines["median"] = Line2D([], [], **MEDIAN, color=style.INK)
     figure.legend(
-        lines.values(), lines.keys(), loc="outside lower center", ncols=5 if columns == 3 else 3, handlelength=1.6
+        lines.values(), lines.keys(), loc="outside lower center", ncols=6 if columns == 3 else 3, handlelength=1.6
     )
     return figure
 
@@ -102,6 +109,7 @@ def _panel(axes: Axes, part: pd.DataFrame, looks: Mapping[str, tuple[str, str]])
         label, colour = looks[str(method)]
         axes.fill_between(curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.22, linewidth=0)
         axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.9, label=label)
+        axes.plot(curve["episode"], curve["median"], color=colour, zorder=2.5, **MEDIAN)
     shortest = part["shortest_path"].iloc[0]
     axes.axhline(shortest, color=style.INK, linewidth=1.1, linestyle=(0, (1, 1.6)), label="shortest path", zorder=1)
     axes.set_yscale("log")

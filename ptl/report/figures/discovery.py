@@ -26,8 +26,8 @@ if TYPE_CHECKING:
 METRICS = ("original", "incremental")
 MIN_PANEL_WIDTH, MIN_HEIGHT = 2.3, 3.2
 """Minimum width of a panel (for its title) and height of all (for the label of the colour bar), in inches."""
-RING = (6.0, 19.0)
-"""Diameter in points of a ring for one seed and for all seeds."""
+DOT = (0.35, 0.95)
+"""Diameter of a dot for one seed and for all seeds, in sides of a cell: no dot reaches into another cell."""
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def _choice(view: TaskView, metric: str, values: np.ndarray) -> int:
 
 @style.styled
 def draw(discoveries: Discoveries, title: str) -> Figure:
-    """Draw tasks by metrics on one colour scale; rings mark chosen subgoals, larger if more seeds chose them."""
+    """Draw tasks by metrics on one colour scale; dots mark peaks and subgoals, larger ones those of more seeds."""
     world, frame = discoveries.world, discoveries.frame
     tasks = list(dict.fromkeys(frame["task"]))
     # Wide maps get one row per task, others one column, whichever makes larger cells on a slide.
@@ -125,10 +125,12 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
             cells.draw_world(axes, world, room=room)
             cells.draw_places(axes, world, side, goals=[task])
             marked = part[part["chosen"] > 0]
-            cells.draw_rings(axes, world, marked["state"].tolist(), _diameter(marked["chosen"].to_numpy(), seeds))
+            sizes = _diameter(marked["chosen"].to_numpy(), seeds, side)
+            cells.draw_dots(axes, world, marked["state"].tolist(), sizes)
             axes.set_title(f"task {task}, {metric}", fontsize=15)
             if (count := int(part["chosen"].sum())) < seeds:
-                axes.set_xlabel(f"a subgoal in {count} of {seeds} seeds", loc="left", fontsize=13)
+                words = "subgoal stored" if metric == "incremental" else "peak"
+                axes.set_xlabel(f"{words} in {count} of {seeds} seeds", loc="left", fontsize=13)
     bar = figure.colorbar(heat, ax=panels.ravel().tolist(), shrink=0.9, aspect=24, pad=0.015)
     bar.set_label("metric f·d, mean over seeds")
     bar.outline.set_visible(False)
@@ -139,7 +141,7 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
         fontsize=18,
         fontweight="bold",
     )
-    figure.legend(handles=_ring_legend(seeds), loc="outside lower left", ncols=3, columnspacing=1.6)
+    figure.legend(handles=_legend(seeds, side), loc="outside lower left", ncols=3, columnspacing=1.6)
     return figure
 
 
@@ -149,22 +151,22 @@ def _cell_side(world: GridWorld, rows: int, columns: int) -> float:
     return cells.cell_side(world, width, height)
 
 
-def _diameter(count: np.ndarray, seeds: int) -> np.ndarray:
-    """Return the ring diameter in points; the area grows linearly with the number of seeds."""
-    small, large = RING
+def _diameter(count: np.ndarray, seeds: int, side: float) -> np.ndarray:
+    """Return the diameter of dots in points for cells of a side in inches; the area grows linearly with the count."""
+    small, large = (share * side * cells.POINTS_PER_INCH for share in DOT)
     share = (np.asarray(count, dtype=float) - 1) / max(seeds - 1, 1)
     if seeds == 1:
         return np.full(np.shape(share), large)
     return np.sqrt(small**2 + share * (large**2 - small**2))
 
 
-def _ring_legend(seeds: int) -> list[Line2D]:
-    """Return rings of three sizes (dark, because the legend has no heat behind them)."""
+def _legend(seeds: int, side: float) -> list[Line2D]:
+    """Return dots of three sizes."""
     counts = sorted({1, (seeds + 1) // 2, seeds})
-    words = [f"subgoal of {count} seed{'s' if count > 1 else ''}" for count in counts]
-    sizes = _diameter(np.array(counts), seeds)
+    words = [f"in {count} seed{'s' if count > 1 else ''}" for count in counts]
+    words[0] = f"peak (original) or subgoal (incremental) {words[0]}"
+    sizes = _diameter(np.array(counts), seeds, side)
     return [
-        Line2D([], [], linestyle="none", marker="o", markersize=size, markerfacecolor="none",
-               markeredgecolor=style.INK, markeredgewidth=2, label=text)
+        Line2D([], [], linestyle="none", marker="o", markersize=size, label=text, **cells.DOT_LOOK)
         for size, text in zip(sizes, words, strict=True)
-    ]  # fmt: skip
+    ]

@@ -1,20 +1,20 @@
-"""Figure 14: the size of the skill library against the number of tasks, with a fit of two slopes."""
+"""Figure 14: the size of the skill library against the number of tasks, with two fits."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from ptl.measures.growth import TwoSlopes, fit_two_slopes
+from ptl.measures.growth import TwoSlopes, fit_power_law, fit_two_slopes
 from ptl.measures.run_files import read_sizes
 from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report.figures import style
 from ptl.report.figures.bands import interval, mean_band, resampling_weights
 from ptl.text import interval as limits
-from ptl.text import number, percent
+from ptl.text import number, percent, place_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,8 +44,9 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     Returns
     -------
     DataFrame
-        Columns tasks, mean, ci_low, ci_high, fit, runs, confidence and, the same in every row, breakpoint, intercept,
-        slope_before and slope_after (skills a task) with the ends of their bootstrap intervals over runs.
+        Columns tasks, mean, ci_low, ci_high, fit, power_law, runs, confidence and, the same in every row, breakpoint,
+        intercept, slope_before and slope_after (skills a task) with the ends of their bootstrap intervals over runs,
+        and the exponent of the power law.
     """
     mean, low, high = mean_band(sizes, confidence, resamples)
     line = fit_two_slopes(mean, bend)
@@ -53,7 +54,9 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     frame = pd.DataFrame(
         {"tasks": tasks, "mean": mean, "ci_low": low, "ci_high": high, "fit": line(tasks), "runs": len(sizes)}
     )
-    frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept)
+    power = fit_power_law(mean)
+    frame.insert(list(frame).index("runs"), "power_law", power(tasks))
+    frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept, exponent=power.exponent)
     lines = fit_two_slopes(resampling_weights(len(sizes), resamples) @ sizes, bend)
     enough = len(sizes) >= MIN_FOR_INTERVAL
     for side in ("before", "after"):
@@ -66,7 +69,7 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
 @style.styled
 def draw(frame: pd.DataFrame) -> Figure:
     """Draw mean and interval of the library size, the fit and its slopes, as `growth_frame` gives them."""
-    figure = style.new_figure(10.4, 6.4)
+    figure = style.new_figure(10.4, 6.8)
     axes = figure.add_subplot()
     first = frame.iloc[0]
     bend, last = first["breakpoint"], float(frame["tasks"].max())
@@ -79,8 +82,9 @@ def draw(frame: pd.DataFrame) -> Figure:
     (dots,) = axes.plot(tasks, frame["mean"], "o", color=colour, markersize=7.5, clip_on=False)
     corners = np.array([float(tasks.min()), bend, last])
     (line,) = axes.plot(corners, fit(corners), color=style.INK, linewidth=2.2)
+    (curve,) = axes.plot(tasks, frame["power_law"], color=style.GOAL, linewidth=1.9, linestyle=(0, (4, 2)))
     axes.axvline(bend, color=style.MUTED, linewidth=1.4, linestyle=(0, (4, 3)), zorder=1)
-    top = 1.12 * max(float(np.nanmax(frame[["mean", "ci_high"]].to_numpy())), float(fit(corners).max()), 1.0)
+    top = 1.05 * max(float(np.nanmax(frame[["mean", "ci_high"]].to_numpy())), float(fit(corners).max()), 1.0)
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator("auto", steps=[1, 2, 5, 10], integer=True))
@@ -91,12 +95,13 @@ def draw(frame: pd.DataFrame) -> Figure:
         ("after", bend + 0.62 * (last - bend), (0.66, 0.33)),
     ):
         slope, low, high = (first[f"slope_{name}{end}"] for end in ("", "_low", "_high"))
-        text = "\n".join(filter(None, (f"{number(slope)} skills a task", limits(low, high))))
+        text = "\n".join(filter(None, (f"{number(slope, place_of(low, high))} skills a task", limits(low, high))))
         axes.annotate(
             text, (x, float(fit(np.array(x)))), place, textcoords="axes fraction", fontsize=16, va="center",
             arrowprops=arrow,
         )  # fmt: skip
-    handles = [(shade, dots) if band else dots, line]
-    labels = [f"mean of {runs}{band}", f"two slopes, bend at {number(bend)} tasks"]
-    axes.legend(handles, labels, loc="upper left", frameon=True, framealpha=1, edgecolor="none")
+    handles: list[Any] = [(shade, dots) if band else dots, line, curve]
+    labels = [f"mean of {runs}{band}", f"two slopes, bend at {number(bend)} tasks (fit)"]
+    labels.append(f"no bend: tasks to the power of {first['exponent']:.2f} (fit)")
+    figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure

@@ -1,4 +1,4 @@
-"""Figure 13: jump start, asymptotic performance and time to threshold on real curves."""
+"""Figure 13: the measures of transfer on real curves."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ import pandas as pd
 from ptl.errors import UserError
 from ptl.measures.measures import Steps
 from ptl.report.figures import style
-from ptl.text import number
+from ptl.report.figures.bands import mean_band
+from ptl.text import number, percent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -18,10 +19,13 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from ptl.config import Statistics
     from ptl.report.script import Script
 
 DIMENSION_STEP = 1.75
 """Ratio of the heights of two dimension lines on the log scale."""
+LEVELLED = 0.98
+"""Share of the steps saved that the linear panel shows; the episodes after that are left out."""
 
 
 def trailing_mean(values: np.ndarray, window: int) -> np.ndarray:
@@ -40,7 +44,8 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
 
     steps = read_steps(script.input.steps)
-    frame = measures(steps, name, task, script.methods, shortest, settings.window, settings.threshold_factor)
+    given = (shortest, settings.window, settings.threshold_factor, script.groups.statistics)
+    frame = measures(steps, name, task, script.methods, *given)
     return draw(frame, f"{script.titles[name]}, task {task}"), frame
 
 
@@ -52,22 +57,25 @@ def measures(
     shortest_path: int,
     window: int,
     threshold_factor: float,
+    statistics: Statistics,
 ) -> pd.DataFrame:
-    """Compute the mean curve of two methods and the three measures of these curves.
+    """Compute the mean curve of two methods with its band, and the measures of these curves.
 
     Measures of the tables are means of per-seed measures; those here are measures of the mean curve, because
-    these are visible in the figure. Jump start and asymptotic performance are the same in both.
+    these are visible in the figure. All but the time to threshold and the transfer ratio are the same in both; the
+    ratio here is that of the means.
 
     Returns
     -------
     DataFrame
-        Columns environment, task, method, episode, mean, trailing_mean (of ``window`` episodes), and, the
-        same in all rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty:
-        not reached), window and seeds.
+        Columns environment, task, method, episode, mean, ci_low, ci_high, trailing_mean (of ``window`` episodes), and,
+        the same in all rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty:
+        not reached), steps_saved, transfer_ratio, window and seeds.
     """
     threshold = threshold_factor * shortest_path
     runs = {method: steps[environment, method, task] for method in methods}
     curves = {method: values.mean(axis=0) for method, values in runs.items()}
+    base = curves[methods[0]]
     parts = []
     for method, mean in curves.items():
         if len(mean) < window:
@@ -77,15 +85,19 @@ def measures(
             )
         trailing = trailing_mean(mean, window)
         below = np.flatnonzero(trailing <= threshold)
-        part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "trailing_mean": trailing})
+        _, low, high = mean_band(runs[method], statistics.confidence, statistics.resamples)
+        part = pd.DataFrame({"episode": range(1, len(mean) + 1), "mean": mean, "ci_low": low, "ci_high": high})
+        part["trailing_mean"] = trailing
         for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
             part.insert(place, name, value)
         parts.append(
             part.assign(
-                jump_start=curves[methods[0]][0] - mean[0],
+                jump_start=base[0] - mean[0],
                 asymptotic=trailing[-1],
                 threshold=threshold,
                 threshold_episode=below[0] + 1 if below.size else np.nan,
+                steps_saved=base.sum() - mean.sum(),
+                transfer_ratio=1 - mean.sum() / base.sum(),
                 window=window,
                 seeds=len(runs[method]),
             )
@@ -95,28 +107,27 @@ def measures(
 
 @style.styled
 def draw(frame: pd.DataFrame, title: str) -> Figure:
-    """Draw mean steps per episode (thin) and their moving mean (thick), from which two measures are made."""
-    figure = style.new_figure(style.SLIDE_WIDTH * 0.86, 6.6)
-    axes = figure.add_subplot()
+    """Draw the mean curves twice: on a log scale with their moving means, and on a linear one with their area."""
+    figure = style.new_figure(style.SLIDE_WIDTH, 6.4)
+    left, right = figure.subplots(1, 2, width_ratios=[1.35, 1])
     episodes, window = int(frame["episode"].max()), int(frame["window"].iloc[0])
-    firsts = []
     for method, curve in frame.groupby("method", sort=False):
         colour, label = style.method_look(str(method))
-        axes.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.0, alpha=0.55)
-        axes.plot(curve["episode"], curve["trailing_mean"], color=colour, linewidth=3.4, label=label)
-        axes.plot(1, curve["mean"].iloc[0], "o", color=colour, markersize=9, zorder=5, clip_on=False)
-        firsts.append(float(curve["mean"].iloc[0]))
-    axes.set_yscale("log")
-    axes.set_xlim(-0.05 * episodes, episodes * 1.01)
-    axes.set(xlabel="episode", ylabel="steps per episode")
+        for axes in (left, right):
+            axes.fill_between(curve["episode"], curve["ci_low"], curve["ci_high"], color=colour, alpha=0.2, linewidth=0)
+        left.plot(curve["episode"], curve["mean"], color=colour, linewidth=1.0, alpha=0.6)
+        left.plot(curve["episode"], curve["trailing_mean"], color=colour, linewidth=3.4, label=label)
+        right.plot(curve["episode"], curve["mean"], color=colour, linewidth=2.2)
+    left.set_yscale("log")
+    left.set(xlim=(1, episodes * 1.01), xlabel="episode", ylabel="steps per episode (log scale)")
     seeds = int(frame["seeds"].iloc[0])
-    axes.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}")
-    _jump_start(axes, firsts, episodes)
-    _threshold(axes, frame, episodes)
-    _asymptotic(axes, frame, episodes, window)
+    left.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}", pad=46)
+    _threshold(left, frame, episodes)
+    _asymptotic(left, frame, episodes, window)
+    _area(right, frame)
     # below the axes, because inside them a short curve may run anywhere
     figure.legend(
-        *axes.get_legend_handles_labels(),
+        *left.get_legend_handles_labels(),
         loc="outside lower center",
         ncols=2,
         title=f"thick: mean of the last {window} episodes",
@@ -125,12 +136,29 @@ def draw(frame: pd.DataFrame, title: str) -> Figure:
     return figure
 
 
-def _jump_start(axes: Axes, firsts: list[float], episodes: int) -> None:
-    """Draw the arrow between the first episodes."""
-    arrow = {"arrowstyle": "<->", "color": style.INK, "linewidth": 1.8, "shrinkA": 7, "shrinkB": 7}
-    axes.annotate("", (1, firsts[1]), (1, firsts[0]), arrowprops=arrow)
-    middle = float(np.sqrt(firsts[0] * firsts[1]))
-    axes.text(-0.012 * episodes, middle, "jump start", rotation=90, ha="right", va="center", fontsize=17)
+def _area(axes: Axes, frame: pd.DataFrame) -> None:
+    """Draw the jump start, and the area between the curves, on a linear scale."""
+    base, own = (part.reset_index(drop=True) for _, part in frame.groupby("method", sort=False))
+    saved = (base["mean"] - own["mean"]).cumsum()
+    levelled = int((saved < LEVELLED * saved.iloc[-1]).sum()) + 1
+    last = max(min(levelled, len(base)), 2)
+    axes.fill_between(
+        base["episode"], own["mean"], base["mean"], facecolor="none", edgecolor=style.MUTED, hatch="//", linewidth=0,
+        zorder=1,
+    )  # fmt: skip
+    heights = base["mean"][:last], own["mean"][:last]
+    top = 1.3 * max(float(max(part.max() for part in heights)), float(frame["ci_high"].fillna(0).max()))
+    axes.set(xlim=(1, last), ylim=(0, top), xlabel="episode", ylabel="steps per episode (linear scale)")
+    axes.yaxis.set_major_formatter(style.GROUPED)
+    arrow = {"arrowstyle": "<->", "color": style.INK, "linewidth": 2.2, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (1, own["mean"][0]), (1, base["mean"][0]), arrowprops=arrow, annotation_clip=False, zorder=6)
+    row = own.iloc[0]
+    words = (
+        f"arrow: jump start, {number(round(row['jump_start']))} steps\n"
+        f"hatched: {number(round(row['steps_saved']))} steps saved,\n"
+        f"{percent(round(row['transfer_ratio'], 2))} of those without transfer"
+    )
+    axes.text(0.99, 0.99, words, transform=axes.transAxes, ha="right", va="top", fontsize=14, zorder=7)
 
 
 def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:

@@ -17,7 +17,6 @@ from ptl.jobs.learn import TaskView, skills_of, tasks_in
 from ptl.methods.ptl import allowed_candidates
 from ptl.report.figures import cells, style
 from ptl.report.figures.bands import mean_band
-from ptl.text import number
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,6 +57,8 @@ class Selections:
 
 EPISODES = 60
 """Maximum number of episodes in the figure."""
+BETWEEN, SHIFT = 8, 2
+"""Episodes between two intervals of a skill, and from those of one skill to those of the next: none covers another."""
 
 
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
@@ -213,12 +214,13 @@ def _shortest_path(world: GridWorld, origin: int, target: int) -> list[int]:
 
 
 def _history(axes: Axes, frame: pd.DataFrame, looks: dict[str, tuple[str, str]], episodes: int) -> None:
-    for name, skill in frame[frame["episode"] <= episodes].groupby("skill", sort=False):
+    for shift, (name, skill) in enumerate(frame[frame["episode"] <= episodes].groupby("skill", sort=False)):
         colour, label = looks[str(name)]
         if name != NULL_SKILL:
             first = skill.iloc[0]
-            label += f"\n(dotted: {number(first['distance'])} cells, solid: {first['path']} steps)"
-        axes.fill_between(skill["episode"], skill["ci_low"], skill["ci_high"], color=colour, alpha=0.22, linewidth=0)
+            label += f"\n(dotted: {first['distance']:.1f} cells, solid: {first['path']} steps)"
+        shown = skill.iloc[BETWEEN - 1 + SHIFT * shift :: BETWEEN]
+        axes.vlines(shown["episode"], shown["ci_low"], shown["ci_high"], color=colour, linewidth=2)
         axes.plot(skill["episode"], skill["probability"], color=colour, label=label)
         axes.plot(1, skill["probability"].iloc[0], "o", color=colour, markersize=9, clip_on=False, zorder=5)
     axes.set(

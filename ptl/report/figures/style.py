@@ -30,6 +30,17 @@ CATEGORIES = ("#6a2c91", "#00767c", "#8a5a00", "#1f3d7a", "#a8244f", "#2f6b1e")
 """Colours of things that are not methods, told apart also by the colour-blind; none is a method's."""
 
 
+CLASS_COLOURS = {
+    "under every reading": "#083d4f",
+    "under some readings": "#4fa3ab",
+    "in part": "#e6c48f",
+    "contradicted": "#b23a1c",
+    "by construction": "#e4e6ea",
+    "undecided": "#ffffff",
+}
+"""Colours of the classes of claims (`ptl.claims.degrees.CLASSES`), all different in lightness; those of the pages."""
+
+
 GROUPED = "{x:,.0f}"
 """Format of the marks of a linear axis of whole numbers that reach 1,000, as `ptl.text.number` writes them."""
 
