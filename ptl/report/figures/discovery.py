@@ -141,7 +141,15 @@ def draw(discoveries: Discoveries, title: str) -> Figure:
         fontsize=18,
         fontweight="bold",
     )
-    figure.legend(handles=_legend(seeds, side), loc="outside lower left", ncols=3, columnspacing=1.6)
+    figure.legend(
+        handles=_legend(seeds, side),
+        loc="outside lower left",
+        ncols=3,
+        columnspacing=1.6,
+        title="original: its peak, incremental: the stored subgoal",
+        title_fontsize=14,
+        alignment="left",
+    )
     return figure
 
 
@@ -164,7 +172,6 @@ def _legend(seeds: int, side: float) -> list[Line2D]:
     """Return dots of three sizes."""
     counts = sorted({1, (seeds + 1) // 2, seeds})
     words = [f"in {count} seed{'s' if count > 1 else ''}" for count in counts]
-    words[0] = f"peak (original) or subgoal (incremental) {words[0]}"
     sizes = _diameter(np.array(counts), seeds, side)
     return [
         Line2D([], [], linestyle="none", marker="o", markersize=size, label=text, **cells.DOT_LOOK)

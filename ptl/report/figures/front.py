@@ -79,7 +79,8 @@ def draw(
     environments = list(dict.fromkeys(frame["environment"]))
     columns = 1 if narrow else min(len(environments), 3)
     rows = math.ceil(len(environments) / columns)
-    width = NARROW if narrow else max(style.SLIDE_WIDTH * columns / 3, 7.5)
+    width = style.SLIDE_WIDTH if claims is not None else max(style.SLIDE_WIDTH * columns / 3, 7.5)
+    width = NARROW if narrow else width
     upper = rows * (3.4 if narrow else 4.3) + (1.5 if narrow else 0.7)
     lower = 0.0 if claims is None else _strip_height(len(claims), narrow)
     figure = style.new_figure(width, upper + lower)

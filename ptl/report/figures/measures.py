@@ -121,7 +121,7 @@ def draw(frame: pd.DataFrame, title: str) -> Figure:
     left.set_yscale("log")
     left.set(xlim=(1, episodes * 1.01), xlabel="episode", ylabel="steps per episode (log scale)")
     seeds = int(frame["seeds"].iloc[0])
-    left.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}", pad=46)
+    left.set_title(f"{title}, {f'mean of {seeds} seeds' if seeds > 1 else '1 seed'}")
     _threshold(left, frame, episodes)
     _asymptotic(left, frame, episodes, window)
     _area(right, frame)
@@ -175,13 +175,13 @@ def _threshold(axes: Axes, frame: pd.DataFrame, episodes: int) -> None:
         colour, _ = style.method_look(method)
         height = lowest / DIMENSION_STEP**line
         if np.isnan(row["threshold_episode"]):
-            axes.text(0, height, "threshold not reached", color=colour, va="center", fontsize=15)
+            axes.text(0.02 * episodes + 1, height, "threshold not reached", color=colour, va="center", fontsize=15)
             continue
         episode = float(row["threshold_episode"])
         axes.plot([episode, episode], [level, height], color=colour, linewidth=1.6, zorder=2)
         axes.plot(episode, level, "o", color=colour, markersize=9, zorder=5)
         arrow = {"arrowstyle": "<->", "color": colour, "linewidth": 1.8, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", (episode, height), (0, height), arrowprops=arrow)
+        axes.annotate("", (episode, height), (1, height), arrowprops=arrow)
         words = f"time to threshold: episode {number(round(episode))}"
         if episode < 0.55 * episodes:
             axes.text(episode + 0.012 * episodes, height, words, color=colour, va="center", fontsize=15)
@@ -198,8 +198,5 @@ def _asymptotic(axes: Axes, frame: pd.DataFrame, episodes: int, window: int) -> 
     for method, end in zip(ends["method"], ends["asymptotic"], strict=True):
         colour, _ = style.method_look(method)
         axes.plot(episodes, end, "s", color=colour, markersize=9, zorder=6, clip_on=False)
-    axes.annotate(
-        f"asymptotic performance\n(last {window} episodes)", (episodes - window / 2 + 0.5, 0.95), (1.0, 1.02),
-        xycoords=axes.get_xaxis_transform(), textcoords="axes fraction", ha="right", va="bottom", fontsize=17,
-        arrowprops={"arrowstyle": "->", "color": style.INK, "linewidth": 1.8, "relpos": (0.9, 0)},
-    )  # fmt: skip
+    words = f"asymptotic performance\n(last {window} episodes, shaded)"
+    axes.text(0.98, 0.98, words, transform=axes.transAxes, ha="right", va="top", fontsize=15)
