@@ -34,9 +34,12 @@ def number(value: float, place: int | None = None) -> str:
 
 
 def place_of(low: float, high: float) -> int | None:
-    """Return the decimals that an interval supports: those of two digits of half its width; None if there is none."""
+    """Return the decimals that an interval supports: a unit of the last one is 3 to 33% of half its width.
+
+    None if there is no interval, or one of no width.
+    """
     half = (high - low) / 2
-    return 1 - math.floor(math.log10(half)) if math.isfinite(half) and half > 0 else None
+    return -math.floor(math.log10(half / 3)) if math.isfinite(half) and half > 0 else None
 
 
 def percent(share: float) -> str:

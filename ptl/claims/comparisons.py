@@ -204,7 +204,7 @@ def elsewhere(
             own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
         except MissingEvidence:
             continue
-        texts.append(f"{method} {task} {percent(1 - own.mean() / base.mean())}")
+        texts.append(f"{method} on {task} {percent(round(1 - own.mean() / base.mean(), 2))}")
     if texts:
         yield f"{label(metric)} saved in % of the base elsewhere: {', '.join(texts)}"
 

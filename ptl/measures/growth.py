@@ -53,27 +53,28 @@ def fit_two_slopes(sizes: np.ndarray, bend: float) -> TwoSlopes:
 
 
 @dataclass(frozen=True)
-class PowerLaw:
-    """A curve without a bend: ``scale * t ** exponent`` at t tasks."""
+class Saturation:
+    """A curve without a bend: ``limit * t / (t + half)`` at t tasks; after ``half`` tasks it has half its limit."""
 
-    scale: float
-    exponent: float
+    limit: float
+    half: float
 
     def __call__(self, tasks: np.ndarray) -> np.ndarray:
         """Return the height of the curve, float array of the shape of ``tasks``."""
-        return self.scale * np.asarray(tasks, dtype=float) ** self.exponent
+        return self.limit * tasks / (tasks + self.half)
 
 
-def fit_power_law(sizes: np.ndarray) -> PowerLaw:
-    """Fit a power law with an exponent of up to 2 by least squares to the sizes after 0, 1, ... tasks, (tasks + 1,)."""
+def fit_saturation(sizes: np.ndarray) -> Saturation:
+    """Fit a saturating curve by least squares to the sizes after 0, 1, ... tasks, float array (tasks + 1,)."""
     tasks = np.arange(len(sizes), dtype=float)
 
-    def scale(exponent: float) -> float:
-        powers = tasks**exponent
-        return float(powers @ sizes / (powers @ powers))
+    def limit(half: float) -> float:
+        shape = tasks / (tasks + half)
+        return float(shape @ sizes / (shape @ shape))
 
-    def error(exponent: float) -> float:
-        return float(np.square(sizes - scale(exponent) * tasks**exponent).sum())
+    def error(log_half: float) -> float:
+        half = np.exp(log_half)
+        return float(np.square(sizes - limit(half) * tasks / (tasks + half)).sum())
 
-    best = float(minimize_scalar(error, bounds=(1e-6, 2.0), method="bounded").x)
-    return PowerLaw(scale(best), best)
+    half = float(np.exp(minimize_scalar(error, bounds=(-3, 10), method="bounded").x))
+    return Saturation(limit(half), half)

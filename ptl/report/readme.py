@@ -59,12 +59,12 @@ def result(published: Path) -> str:
         f" {LAST_TASK}, the last one, it saves {in_each(LAST_TASK, PTL)}. The shares of full transfer over all five"
         f" are {in_each(TRANSFER_TASKS, FULL)}. (Ratio of the means over {runs} runs.)",
         "",
-        f"Of the article's {len(claims)} claims, judged on [many more runs](#results) and under every reading of their"
-        f" words, {counts_text(claims['class'])}. Two maps and a width of the method were [chosen because more claims"
+        f"Of the article's {len(claims)} claims, judged on [many more runs](#results) and under all readings of their"
+        f" words: {counts_text(claims['class'])}. Two maps and a width of the method were [chosen because more claims"
         " come out with them](docs/reconstruction.md#choices-made-because-they-fit).",
         "",
         "![Total steps relative to no transfer in three environments, for each task and method, and the classes of the"
-        f" claims]({published.as_posix()}/figures/front.png)",
+        " claims](reports/published/figures/front.png)",
         "",
     ]
     pages = [f"[{name}](reports/published/{file})" for name, file in PAGES.items() if (published / file).is_file()]

@@ -28,7 +28,7 @@ def row(claim: dict, parts: list[dict]) -> list[str]:
 
 
 def test_statement_numbers_and_verdict_come_from_the_ledger():
-    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.12, 2] steps (holds)", DEGREE, "reproduced",
+    assert row(CLAIM, [PART]) == ["a", "PTL is faster", "steps: 12,350 [0.1, 2] steps (holds)", DEGREE, "reproduced",
                                 "partly reproduced"]  # fmt: skip
 
 

@@ -180,12 +180,14 @@ def test_opened_records_are_those_of_the_file(browser, files, read):
 # -- what is shown against the files -------------------------------------------------------------------------
 
 
-def test_opens_with_ptl_beside_no_transfer_on_the_last_task(page):
+def test_opens_with_ptl_beside_no_transfer_on_a_task_in_the_middle(page):
     page.open()
     assert page.text("#stage1 select option:checked") == "PTL"
     assert page.text("#stage2 select option:checked") == "No transfer"
-    assert page.find("input[name=task]:checked").get_attribute("value") == "B"
-    assert "one goal after another: C, then A and B. Of each new" in " ".join(page.text(".lead").split())
+    assert page.find("input[name=task]:checked").get_attribute("value") == "A"
+    assert "one goal after another: C, then A and B. It has learned no values for a new" in " ".join(
+        page.text(".lead").split()
+    )
     assert page.find("#stage2").is_displayed()
 
 
@@ -363,7 +365,7 @@ def test_first_episodes_are_those_of_the_files(page, read):
 def test_a_first_episode_starts_from_a_blank_map_and_counts_visits(page, read):
     page.open(environment="chain", task="B", seed=3)
     for stage in (1, 2):
-        assert "nothing is known of goal B" in page.text(f"#stage{stage} .outcome")
+        assert "no value is learned yet for goal B" in page.text(f"#stage{stage} .outcome")
     file = read("chain", "ptl", 3)
     world, start = file.world, file.tasks["B"].start
     script = """
@@ -471,7 +473,7 @@ def test_the_address_holds_the_view(page):
 def test_an_address_that_cannot_be_shown_falls_to_one_that_can(page):
     page.open(environment="nowhere", task="Z", seed="x", episode=-4, guide=99, method="<b>")
     assert page.view["environment"] == "chain"
-    assert (page.view["task"], page.view["seed"], page.view["method"]) == ("B", "3", "ptl")
+    assert (page.view["task"], page.view["seed"], page.view["method"]) == ("A", "3", "ptl")
     assert page.number("#episode") == 1
 
 

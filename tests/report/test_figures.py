@@ -23,7 +23,7 @@ from ptl.errors import UserError
 from ptl.files import store
 from ptl.jobs.learn import skills_of, tasks_in
 from ptl.jobs.survey import Survey
-from ptl.measures.growth import PowerLaw, TwoSlopes, fit_power_law
+from ptl.measures.growth import Saturation, TwoSlopes, fit_saturation
 from ptl.measures.measures import PER_SEED_COLUMNS
 from ptl.measures.run_files import read_steps, write_steps
 from ptl.report.figures import cells, figures, front, item_label, left_out, saving, style
@@ -370,11 +370,11 @@ def test_a_dollar_sign_in_a_title_starts_no_formula(kind: str, inputs: Path, tmp
     assert (tmp_path / "figure.png").is_file()
 
 
-def test_a_power_law_is_found_and_starts_with_an_empty_library() -> None:
+def test_a_saturating_curve_is_found() -> None:
     tasks = np.arange(31)
-    found = fit_power_law(1.7 * tasks**0.55)
-    assert (found.scale, found.exponent) == (pytest.approx(1.7, rel=1e-3), pytest.approx(0.55, rel=1e-3))
-    assert PowerLaw(2.0, 0.5)(np.array([0, 4])).tolist() == [0, 4]
+    found = fit_saturation(Saturation(14.0, 16.0)(tasks))
+    assert (found.limit, found.half) == (pytest.approx(14, rel=1e-3), pytest.approx(16, rel=1e-3))
+    assert found(np.array([0, 16])).tolist() == [0, pytest.approx(7, rel=1e-3)]
 
 
 def test_dots_of_discovery_stay_in_their_cells() -> None:
@@ -424,10 +424,10 @@ def test_ratios_of_the_picture_are_those_of_the_means(inputs: Path, frames: dict
         assert row["low"] < row["ratio"] < row["high"]
 
 
-def test_labels_of_the_picture_do_not_overlap(inputs: Path) -> None:
+def test_labels_of_the_picture_do_not_overlap(frames: dict[str, pd.DataFrame]) -> None:
     """With as many claims and names as long as the article's."""
     claims = front.in_order(pd.DataFrame({"id": ["E1-asymptotic"] * 24, "class": [*CLASSES] * 4}))
-    frame = pd.read_csv(inputs / "out/front.csv").dropna(subset="ratio")
+    frame = frames["front"].dropna(subset="ratio")
     frame = pd.concat([frame.assign(environment=name) for name in ("one", "two", "three")])
     looks = {name: style.method_look(name)[::-1] for name in METHODS}
     for narrow in (False, True):

@@ -31,7 +31,7 @@ def entry(judged: Judgement, when: str = "on task F") -> ledger.Entry:
 
 def test_every_file_reads_a_value_alike():
     rows = [entry(judgement([part()]))]
-    text = "steps: 15,300 [5,200, 24,900] steps"
+    text = "steps: 15,000 [5,000, 25,000] steps"
     assert ledger.to_frame(rows)["evidence"].tolist() == [f"{text} (> 0: holds); a note"]
     assert f'{text} <span class="demand">(&gt; 0: holds)</span>' in ledger.to_html(rows, RUN)
     assert text.replace("[", r"\[").replace("]", r"\]") in ledger.to_markdown(rows, RUN)

@@ -233,7 +233,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
             "growth of the skill library",
             "Skills in the library against tasks learned, random start and goal for each task: mean over"
             f" {growth['runs']} lives{note(growth['runs'], level)}. Two fits to the means: two slopes that meet at"
-            f" {growth['breakpoint']} tasks, and a power law, which has no bend.",
+            f" {growth['breakpoint']} tasks, and a saturating curve, which has no bend and one free number less.",
             needs=("growth",),
             groups=("growth", "statistics"),
             item="Growth",

@@ -192,8 +192,7 @@ def _legend(figure: Figure | SubFigure, claims: pd.DataFrame, columns: int) -> N
     figure.legend(
         [Patch(**_look(name)) for name in classes],
         [f"{name} ({counts[name]})" for name in classes],
-        loc="outside lower center", ncols=columns, fontsize=13, handlelength=1.2,
-        columnspacing=1.2,
+        loc="outside lower center", ncols=columns, fontsize=12, handlelength=1.1, columnspacing=1.0,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.ticker import MaxNLocator
 
-from ptl.measures.growth import TwoSlopes, fit_power_law, fit_two_slopes
+from ptl.measures.growth import TwoSlopes, fit_saturation, fit_two_slopes
 from ptl.measures.run_files import read_sizes
 from ptl.measures.sample_size import MIN_FOR_INTERVAL
 from ptl.report.figures import style
@@ -44,9 +44,9 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     Returns
     -------
     DataFrame
-        Columns tasks, mean, ci_low, ci_high, fit, power_law, runs, confidence and, the same in every row, breakpoint,
+        Columns tasks, mean, ci_low, ci_high, fit, saturation, runs, confidence and, the same in every row, breakpoint,
         intercept, slope_before and slope_after (skills a task) with the ends of their bootstrap intervals over runs,
-        and the exponent of the power law.
+        and saturation_half, the tasks after which the saturating curve has half its limit.
     """
     mean, low, high = mean_band(sizes, confidence, resamples)
     line = fit_two_slopes(mean, bend)
@@ -54,9 +54,9 @@ def growth_frame(sizes: np.ndarray, bend: float, confidence: float, resamples: i
     frame = pd.DataFrame(
         {"tasks": tasks, "mean": mean, "ci_low": low, "ci_high": high, "fit": line(tasks), "runs": len(sizes)}
     )
-    power = fit_power_law(mean)
-    frame.insert(list(frame).index("runs"), "power_law", power(tasks))
-    frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept, exponent=power.exponent)
+    curve = fit_saturation(mean)
+    frame.insert(list(frame).index("runs"), "saturation", curve(tasks))
+    frame = frame.assign(confidence=confidence, breakpoint=bend, intercept=line.intercept, saturation_half=curve.half)
     lines = fit_two_slopes(resampling_weights(len(sizes), resamples) @ sizes, bend)
     enough = len(sizes) >= MIN_FOR_INTERVAL
     for side in ("before", "after"):
@@ -82,7 +82,7 @@ def draw(frame: pd.DataFrame) -> Figure:
     (dots,) = axes.plot(tasks, frame["mean"], "o", color=colour, markersize=7.5, clip_on=False)
     corners = np.array([float(tasks.min()), bend, last])
     (line,) = axes.plot(corners, fit(corners), color=style.INK, linewidth=2.2)
-    (curve,) = axes.plot(tasks, frame["power_law"], color=style.GOAL, linewidth=1.9, linestyle=(0, (4, 2)))
+    (curve,) = axes.plot(tasks, frame["saturation"], color=style.GOAL, linewidth=1.9, linestyle=(0, (4, 2)))
     axes.axvline(bend, color=style.MUTED, linewidth=1.4, linestyle=(0, (4, 3)), zorder=1)
     top = 1.05 * max(float(np.nanmax(frame[["mean", "ci_high"]].to_numpy())), float(fit(corners).max()), 1.0)
     axes.set(xlim=(0, last * 1.02), ylim=(0, top), xlabel="tasks learned", ylabel="skills in the library")
@@ -102,6 +102,6 @@ def draw(frame: pd.DataFrame) -> Figure:
         )  # fmt: skip
     handles: list[Any] = [(shade, dots) if band else dots, line, curve]
     labels = [f"mean of {runs}{band}", f"two slopes, bend at {number(bend)} tasks (fit)"]
-    labels.append(f"no bend: tasks to the power of {first['exponent']:.2f} (fit)")
+    labels.append(f"no bend: share t / (t + {first['saturation_half']:.0f}) of a limit (fit)")
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure

@@ -181,7 +181,7 @@ export class Stage {
     const cut = playing.outcome === "cut" ? ` ${this.describeCut()}.` : "";
     if (task.first.informed) return `Ready: starts from the values of the task before.${cut}`;
     const guided = { skills: "; skills can guide", policies: "; earlier policies can guide", none: "" };
-    return `Ready: nothing is known of goal ${task.name}${task.guides.length ? guided[task.method.guides] : ""}.${cut}`;
+    return `Ready: no value is learned yet for goal ${task.name}${task.guides.length ? guided[task.method.guides] : ""}.${cut}`;
   }
 
   /** Who chooses the next step, as the end of a sentence. */
