@@ -45,7 +45,7 @@ def click(page, words: str) -> None:
 def test_front_page_asks_and_answers(page):
     assert "Partial transfer learning: a reproduction" in text(page)
     assert "Result. Of 24 claims" in text(page)
-    assert "Transfer ratio on the last task" in text(page)
+    assert "Steps saved, in % of those without transfer" in text(page)
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
                 "front": Figure("front", item="Overview", **front),
                 "front_narrow": Figure("front_narrow", item="Overview, narrow", **front),
             }
-            if any(later) and (compared - {"no_transfer"} or config.get("foreign_results"))
+            if any(later) and compared - {"no_transfer"}
             else {}
         ),
         "prior": Figure(
