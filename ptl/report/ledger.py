@@ -91,9 +91,9 @@ class Entry:
 def run_text(seeds: int, statistics: Any) -> str:
     """Describe a ledger of the runs of the tables alone."""
     return (
-        f"Checked on this run: {number(seeds)} seeds; {percent(statistics.confidence)} intervals in brackets (bootstrap,"
-        f" {number(statistics.resamples)} resamples; Wilson for shares of runs). The runs of different methods are"
-        " independent of each other."
+        f"Checked on this run: {number(seeds)} seeds; {percent(statistics.confidence)} intervals in brackets"
+        f" (bootstrap, {number(statistics.resamples)} resamples; Wilson for shares of runs). The runs of different"
+        " methods are independent of each other."
     )
 
 
@@ -122,7 +122,8 @@ def decided_text(results: Sequence[Any], looks: Sequence[int], level: float, few
         f" {number(few)} of the tables. Runs, and in brackets how many of the {number(len(last))} pairs of environment"
         f" and method took them: {taken}. After each look, only what an open part speaks of gets more runs; the error"
         f" over all looks is at most {error} for each part (union bound). The intervals are those of large samples at"
-        f" {percent(round(level, 4))}. First episodes are compared with the exact expectation of those without transfer."
+        f" {percent(round(level, 4))}. First episodes are compared with the exact expectation of those without"
+        " transfer."
         f" Where the {number(few)} seeds of the tables alone give another verdict"
         f" ({percent(statistics.confidence)} bootstrap intervals), it is shown too."
     )

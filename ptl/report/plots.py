@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 def plot_map(axes: Axes, world: GridWorld, subgoals: Iterable[int] = ()) -> None:
-    """Draw walls, start and goals of a map, and rings around subgoals (states)."""
+    """Draw walls, start and goals of a map, and dots on subgoals (states)."""
     cells.draw_world(axes, world)
     cells.draw_floor(axes, world)
     cells.draw_places(axes, world, _side(axes, world), filled=True)
     states = list(subgoals)
-    cells.draw_rings(axes, world, states, np.full(len(states), 16.0))
+    cells.draw_dots(axes, world, states, np.full(len(states), 16.0))
 
 
 def plot_values(axes: Axes, world: GridWorld, q: np.ndarray) -> None:

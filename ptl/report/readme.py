@@ -17,7 +17,7 @@ from ptl.measures import relative_steps
 from ptl.measures.run_files import read_per_seed
 from ptl.report.ledger import class_counts, counts_text
 from ptl.text import estimate, number, percent
-from ptl.world.gridworld import load_map
+from ptl.world.map_files import load_map
 
 CONFIG = Path("config/config.yaml")
 """Configuration of the published run in a checkout."""

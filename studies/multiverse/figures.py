@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from ptl.claims.degrees import CONSTRUCTION, EVERY, NONE, PARTLY, SOME, UNDECIDED
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.report.figures import style
 from studies.multiverse.curves import CLAIMED, levels
@@ -20,16 +19,6 @@ if TYPE_CHECKING:
 
 TOGETHER, LAST, OTHERS, PRINTED = "#0f7f8c", "#c2571a", "#6a2c91", "#22262b"
 """Colours of the shares: read on B to F together, on task F, given the other claims, and of printed tables."""
-
-CLASS_COLOURS = {
-    EVERY: "#0f7f8c",
-    SOME: "#7fc0be",
-    PARTLY: "#e8b98c",
-    NONE: "#b3361e",
-    CONSTRUCTION: "#c9ccd1",
-    UNDECIDED: "#f4f6f8",
-}
-"""From blue-green to red over pale; unlike in lightness, so that they are told apart without colour as well."""
 
 HEADINGS = {
     "jump_start": "First episode saved by PTL (%)",
@@ -49,7 +38,7 @@ def draw_shares(ledger: pd.DataFrame) -> Figure:
     figure = style.new_figure(style.SLIDE_WIDTH, 0.38 * len(ledger) + 1.6)
     strip, ax = figure.subplots(1, 2, sharey=True, width_ratios=[0.035, 1])
     places = np.arange(len(ledger))
-    strip.barh(places, 1, height=0.86, color=[CLASS_COLOURS[name] for name in ledger["class"]])
+    strip.barh(places, 1, height=0.86, color=[style.CLASS_COLOURS[name] for name in ledger["class"]])
     strip.set_xlim(0, 1)
     strip.set_xticks([])
     strip.grid(False)
@@ -76,8 +65,8 @@ def draw_shares(ledger: pd.DataFrame) -> Figure:
     handles, labels = ax.get_legend_handles_labels()
     from matplotlib.patches import Patch
 
-    classes = [name for name in CLASS_COLOURS if name in set(ledger["class"])]
-    handles += [Patch(facecolor=CLASS_COLOURS[name]) for name in classes]
+    classes = [name for name in style.CLASS_COLOURS if name in set(ledger["class"])]
+    handles += [Patch(facecolor=style.CLASS_COLOURS[name]) for name in classes]
     figure.legend(handles, [*labels, *classes], loc="outside upper center", ncols=3, fontsize=11.5)
     return figure
 
