@@ -85,6 +85,7 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
         stored = int((evidence.stored(ENV, c.PTL, task) >= 0).sum())
         text = f"task {task}, subgoal {name} (peak of the metric; stored in {stored} of {len(peaks)} runs)"
         yield c.mostly(evidence, text, (peaks >= 0) & where[peaks])
+        yield c.mostly(evidence, f"task {task}, its subgoal becomes a skill", evidence.stored(ENV, c.PTL, task) >= 0)
         if where is room:
             inside = int(((peaks >= 0) & inner[peaks]).sum())
             yield f"task {task}: in the inner half of the room in {inside} of {len(peaks)} runs"

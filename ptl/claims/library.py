@@ -9,10 +9,10 @@ from scipy import stats
 
 from ptl.claims.claim import claim
 from ptl.claims.evidence import MIN_SEEDS, Evidence, MissingEvidence
-from ptl.claims.thresholds import FAR, LINEAR_EXPONENT, OVERHEAD
-from ptl.claims.verdict import Part, above, below
+from ptl.claims.thresholds import ABOUT, FAR, LINEAR_EXPONENT, OVERHEAD
+from ptl.claims.verdict import Part, above, below, between
 from ptl.measures import statistics
-from ptl.measures.growth import fit_two_slopes
+from ptl.measures.growth import best_bend, fit_saturation, fit_two_slopes, squared_error
 from ptl.measures.statistics import Estimate, exactly, named_generator
 from ptl.text import number, percent
 
@@ -29,7 +29,10 @@ MIN_SIZES = 4
     shown_in="figure14",
 )
 def growth(evidence: Evidence) -> Iterator[Part | str]:
-    """Compare the slopes of every run, by the fit of figure 14, and the rates in both halves before its bend."""
+    """Compare the slopes of every run, by the fit of figure 14, and the rates in both halves before its bend.
+
+    A line with a bend must also fit better than a curve without one, and with its bend where the article has it.
+    """
     size = evidence.needed("growth")
     if len(size) < MIN_SEEDS:
         raise MissingEvidence(f"growth: {len(size)} runs, fewer than the {MIN_SEEDS} that a verdict needs")
@@ -50,11 +53,29 @@ def growth(evidence: Evidence) -> Iterator[Part | str]:
         statistics.ratio_of_means(line.after, line.before, evidence.how, named_generator("growth", "slower")),
         1 / FAR,
     )
+    yield between(
+        f"bend at which two slopes fit best (about {bend})",
+        statistics.of_mean_curve(best_bend, size, evidence.how, named_generator("growth", "bend")),
+        bend * (1 - ABOUT),
+        bend * (1 + ABOUT),
+        "tasks",
+    )
+    yield above(
+        "squared error of a saturating curve, without a bend, over that of two slopes",
+        statistics.of_mean_curve(_rivalry, size, evidence.how, named_generator("growth", "saturation")),
+        1.0,
+    )
     yield f"skills a task by the slope over the first {bend} tasks: {number(line.before.mean())}"
     yield (
         f"mean size {number(size[:, bend].mean())} after {bend} tasks and {number(size[:, -1].mean())} after {last},"
         f" over {len(size)} runs"
     )
+
+
+def _rivalry(size: np.ndarray) -> float:
+    """Return how much worse a saturating curve fits than two slopes with a free bend."""
+    two_slopes = fit_two_slopes(size, best_bend(size))
+    return squared_error(size, fit_saturation(size)) / max(squared_error(size, two_slopes), 1e-9)
 
 
 @claim(

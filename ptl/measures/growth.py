@@ -52,6 +52,31 @@ def fit_two_slopes(sizes: np.ndarray, bend: float) -> TwoSlopes:
     return TwoSlopes(bend, *np.moveaxis(sizes @ np.linalg.pinv(design).T, -1, 0))
 
 
+STEP = 0.25
+"""Distance in tasks of the bends that `best_bend` tries."""
+
+
+def best_bend(size: np.ndarray) -> float:
+    """Return the bend, in steps of a quarter of a task, at which two slopes fit a curve (tasks + 1,) best.
+
+    Both pieces have two tasks or more.
+
+    Raises
+    ------
+    UserError
+        When the curve is too short.
+    """
+    bends = np.arange(2.0, len(size) - 3 + STEP, STEP)
+    if not bends.size:
+        raise UserError(f"growth.tasks: {len(size) - 1} is not enough for two slopes; give 4 or more")
+    return float(min(bends, key=lambda bend: squared_error(size, fit_two_slopes(size, bend))))
+
+
+def squared_error(size: np.ndarray, curve: TwoSlopes | Saturation) -> float:
+    """Return the sum of the squared deviations of a curve from the sizes after 0, 1, ... tasks, (tasks + 1,)."""
+    return float(np.square(size - curve(np.arange(len(size), dtype=float))).sum())
+
+
 @dataclass(frozen=True)
 class Saturation:
     """A curve without a bend: ``limit * t / (t + half)`` at t tasks; after ``half`` tasks it has half its limit."""

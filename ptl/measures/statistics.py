@@ -36,6 +36,9 @@ VALUES_AT_ONCE = 2**17
 TRIMMED_SHARE = 0.25
 """Cut off at either end by the interquartile mean."""
 
+FITS = 200
+"""Maximum number of resamples of a statistic that is the outcome of a fit."""
+
 SUMMARISED = tuple(sorted(MEASURES, key=lambda measure: (not measure.compared, measure.function is None)))
 """Measures in the order of ``metrics.csv``: those of each seed, ratios of means, the rest."""
 
@@ -163,6 +166,23 @@ def probability_of_improvement(
     own, other = ranks[: np.size(values)], ranks[np.size(values) :]
     lower, upper = (own, other) if better == "lower" else (other, own)
     return _bootstrap(_probability_of_being_lower, (lower, upper), how, generator, method="percentile")
+
+
+def of_mean_curve(
+    statistic: Callable[[np.ndarray], float], curves: np.ndarray, how: Resampling, generator: np.random.Generator
+) -> Estimate:
+    """Return a statistic of the mean of curves (runs, points); a normal interval from resampled runs.
+
+    The statistic may be the outcome of a fit, so it is resampled `FITS` times at most.
+    """
+    value = float(statistic(curves.mean(axis=0)))
+    if not how.resamples and not how.normal:
+        return exactly(value)
+    runs = len(curves)
+    weights = generator.multinomial(runs, np.full(runs, 1 / runs), size=min(FITS, how.resamples or FITS)) / runs
+    deviation = float(np.std([statistic(curve) for curve in weights @ curves], ddof=1))
+    reach = float(stats.norm.ppf((1 + how.confidence) / 2)) * deviation
+    return Estimate(value, value - reach, value + reach)
 
 
 def share(count: int, total: int, how: Resampling) -> Estimate:

@@ -25,7 +25,7 @@ def plot_map(axes: Axes, world: GridWorld, subgoals: Iterable[int] = ()) -> None
     cells.draw_floor(axes, world)
     cells.draw_places(axes, world, _side(axes, world), filled=True)
     states = list(subgoals)
-    cells.draw_dots(axes, world, states, np.full(len(states), 16.0))
+    cells.draw_dots(axes, world, states, np.full(len(states), 9.0))
 
 
 def plot_values(axes: Axes, world: GridWorld, q: np.ndarray) -> None:

@@ -12,7 +12,7 @@ from ptl.errors import UserError
 from ptl.files import store
 from ptl.files.csv import write_csv
 from ptl.jobs.grow import Grow
-from ptl.measures.growth import TwoSlopes, fit_two_slopes
+from ptl.measures.growth import TwoSlopes, best_bend, fit_saturation, fit_two_slopes, squared_error
 from ptl.measures.run_files import library_sizes, read_sizes
 from ptl.report.figures.bands import mean_band
 from ptl.report.figures.growth import growth_frame
@@ -97,3 +97,20 @@ def test_band_is_the_normal_interval_for_many_runs() -> None:
     mean, low, high = mean_band(values, 0.95, 2000)
     np.testing.assert_allclose(mean, values.mean(axis=0))
     np.testing.assert_allclose(high - low, 2 * 1.96 * values.std(axis=0) / 20, rtol=0.1)
+
+
+def test_the_best_bend_is_found() -> None:
+    line = np.interp(np.arange(31.0), [0, 9.5, 30], [0, 8, 11])
+    assert best_bend(line) == 9.5
+
+
+def test_a_saturating_curve_fits_what_has_no_bend() -> None:
+    tasks = np.arange(31.0)
+    smooth, bent = 12 * tasks / (tasks + 5), np.interp(tasks, [0, 7, 30], [0, 7, 9])
+    assert squared_error(smooth, fit_saturation(smooth)) < 1e-6 < squared_error(smooth, fit_two_slopes(smooth, 7))
+    assert squared_error(bent, fit_saturation(bent)) > 1 > squared_error(bent, fit_two_slopes(bent, 7))
+
+
+def test_too_short_a_curve_has_no_bend() -> None:
+    with pytest.raises(UserError, match="give 4 or more"):
+        best_bend(np.arange(4.0))
