@@ -55,6 +55,7 @@ def command(
 
     Maps, tasks and methods are checked before anything is written.
     """
+    from ptl.config import MapOptions
     from ptl.deployment import new_study
     from ptl.errors import UserError
     from ptl.measures.measures import BASE
@@ -65,6 +66,7 @@ def command(
         ("--population", population, not maps), ("--map", maps, not population),
         ("--tasks", tasks, not population), ("--maps-per-family", maps_per_family, population),
         ("--lives", lives, population), ("--survey", survey, not population), ("--growth", growth, not population),
+        ("--start, --goal, --map-seed, --cell, --format", options != MapOptions(), not population),
     ):  # fmt: skip
         if given and not needed:
             raise UserError(f"{option}: give either --map, or --population with --maps-per-family and --lives")
