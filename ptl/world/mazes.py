@@ -176,7 +176,8 @@ def braided(rng: np.random.Generator, states: int) -> np.ndarray:
 
 def cave(rng: np.random.Generator, states: int) -> np.ndarray:
     """Return a cave: a cellular automaton on random walls, in which a cell takes the majority of its nine."""
-    side = round(np.sqrt(1.9 * states)) + 2
+    # The largest part takes more of a larger cave: beyond 3,000 states nearly 0.74 of it.
+    side = round(np.sqrt((1.9 if states <= 3000 else 1.36) * states)) + 2
     while True:
         wall = np.ones((side, side), dtype=int)
         wall[1:-1, 1:-1] = rng.random((side - 2, side - 2)) < 0.43

@@ -342,6 +342,8 @@ def test_generated_maps_have_about_the_size_asked_for_and_follow_from_the_seed(t
     world = generated_map(family, 300, 7)
     assert 150 < world.n_states < 600 and list(world.goals) == list("ABCDEF")
     assert generated_map(family, 300, 7).text == world.text != generated_map(family, 300, 8).text
+    for states in (30, 5000, 20000):
+        assert 0.4 < generated_map(family, states, 7).n_states / states < 1.6
     path = tmp_path / "own.txt"
     called("make-map", family, "--size", 300, "--seed", 7, "--output", path)
     assert load_map(path).text == world.text
