@@ -7,8 +7,8 @@ report: os.path.abspath(prefixed(REPORTS / "front_page.rst"))
 rule front_page:
     input:
         **({"claims": rules.judge_claims.output.csv} if ARTICLE else {}),
-        metrics=rules.tabulate.output.metrics,
         **({"front": "<reports>/figures/front.csv"} if "front" in FIGURES else {}),
+        metrics=rules.tabulate.output.metrics,
     output:
         text="<reports>/front_page.rst",
         page="<reports>/index.html",
