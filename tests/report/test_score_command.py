@@ -18,6 +18,7 @@ from ptl.cli.score import command
 from ptl.errors import UserError
 from ptl.files.csv import write_csv
 from ptl.measures.scoring import SCORE_COLUMNS
+from ptl.text import interval
 
 EXAMPLE = ROOT / "examples/score"
 
@@ -57,7 +58,7 @@ def test_template_then_scores(folder: Path):
     assert lines[0] == "Table 4, env2"
     assert lines[3].split()[:5] == ["F", "ptl", "total_steps", "mean", "500"]
     row = scores.iloc[0]
-    assert f"[{row['low_90']:.1f}".rstrip("0").rstrip(".") in lines[3]
+    assert interval(row["low_90"], row["high_90"]) in lines[3]
     mark = "*" if row["inside_50"] else "+" if row["inside_90"] else " "
     assert f"{row['rank']:.3f}{mark}" in lines[3].replace("−", "-")
     for name in ("mine_scores.png", "mine_scores.svg"):

@@ -35,8 +35,8 @@ JOBS = {
     "learned.h5": made(Learn, tasks="ABCDEF", method="ptl", reference="ptl", seed=7),
     "grown.h5": made(Grow, tasks=4, seed=3),
     "surveyed.h5": made(Survey, batch=0, batches=4, starts=4, trajectories=3),
-    "lives.h5": made(Lives, name="env2_ptl", tasks="AB", method="ptl", seeds=2),
-    "libraries.h5": made(Libraries, tasks=3, runs=2),
+    "lives.h5": made(Lives, name="env2_ptl", tasks="AB", method="ptl", look=1, first=0, seeds=2),
+    "libraries.h5": made(Libraries, tasks=3, look=1, first=0, runs=2),
 }
 """A job of each kind by its output file."""
 

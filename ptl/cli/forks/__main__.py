@@ -17,6 +17,7 @@ from ptl import methods
 from ptl.cli import _progress, main, run  # noqa: F401 - what a job imports
 from ptl.files import store  # noqa: F401
 from ptl.jobs import kinds  # noqa: F401
+from ptl.world import map_files  # noqa: F401
 
 
 def serve(listener: socket.socket) -> None:
