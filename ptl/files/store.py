@@ -115,7 +115,7 @@ def write_arrays(
         for place, values in arrays.items():
             parent, _, name = place.rpartition("/")
             if parent not in groups:
-                groups[parent] = file.create_group(parent)
+                groups[parent] = file.require_group(parent)
             _create(groups[parent], name, values)
     image = buffer.getvalue()
     seal = f"\njob {digest}, sha256 of all bytes before this line {hashlib.sha256(image).hexdigest()}\n"

@@ -159,3 +159,12 @@ def test_unwritable_folder_is_a_user_error(tmp_path):
 )
 def test_numbers_have_six_digits_and_no_positive_exponent(value, text):
     assert format_number(value) == text
+
+
+def test_arrays_of_a_group_may_follow_those_of_groups_in_it(tmp_path):
+    """A setting of the multiverse has arrays of its own beside those of its environments."""
+    arrays = {"one/env1/ptl/measured": np.arange(3), "one/growth": np.arange(2), "one/env1/status": np.arange(1)}
+    store.write_arrays(tmp_path / "nested.h5", arrays, {})
+    back, _ = store.read_arrays(tmp_path / "nested.h5")
+    assert set(back) == set(arrays)
+    assert all(np.array_equal(back[name], values) for name, values in arrays.items())
