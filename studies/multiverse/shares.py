@@ -56,7 +56,8 @@ def _wilson(count: float, number: float, confidence: float) -> tuple[float, floa
     share = count / number
     middle = (share + z**2 / (2 * number)) / (1 + z**2 / number)
     reach = z / (1 + z**2 / number) * np.sqrt(share * (1 - share) / number + z**2 / (4 * number**2))
-    return share, max(0.0, middle - reach), min(1.0, middle + reach)
+    # rounding must not put an end on the wrong side of the share
+    return share, min(share, max(0.0, middle - reach)), max(share, min(1.0, middle + reach))
 
 
 # -- one reading for each claim ------------------------------------------------------------------------------------

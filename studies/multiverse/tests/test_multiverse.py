@@ -307,6 +307,13 @@ def test_shares_are_counts_with_wilson_intervals() -> None:
     assert (own["low"], own["high"]) == (pytest.approx(0.2077, abs=1e-4), pytest.approx(0.9385, abs=1e-4))
 
 
+@pytest.mark.parametrize("number", [3, 7, 97, 100, 600, 24.5])
+def test_a_share_is_in_its_interval(number: float) -> None:
+    for count in (0.0, number / 3, number):
+        share, low, high = shares._wilson(count, number, 0.95)
+        assert 0 <= low <= share <= high <= 1
+
+
 def test_the_best_quarter_shares_ties() -> None:
     weights = shares.best_weights(pd.Series([3, 2, 2, 2, 1, 0, 0, 0]))
     np.testing.assert_allclose(weights, [1, 1 / 3, 1 / 3, 1 / 3, 0, 0, 0, 0])
