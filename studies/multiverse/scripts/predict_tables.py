@@ -7,9 +7,9 @@ from ptl.report.script import running
 from studies.multiverse import prediction
 
 with running(snakemake) as script:
-    params = snakemake.params
+    environments, methods = snakemake.params.order
     verdicts, estimates = (
         read_csv(script.input[name], dtype={"runs": str, "setting": str}) for name in ("verdicts", "estimates")
     )
-    predictions = prediction.predict(estimates, verdicts, params.environments, params.methods)
+    predictions = prediction.predict(estimates, verdicts, environments, methods)
     prediction.write_predictions(predictions, verdicts, Path(script.output.predictions).parent)
