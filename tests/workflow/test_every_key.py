@@ -41,6 +41,12 @@ subgoal_frequencies: {batches: 1}
 
 ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 
+ROS = {
+    "ros.pgm": "P2\n9 5\n255\n" + "254 " * 45 + "\n",
+    "ros.yaml": "image: ros.pgm\nresolution: 0.5\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\n"
+    "free_thresh: 0.2\n",
+}
+
 MINE = """
 from typing import Annotated
 
@@ -66,7 +72,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a tiny run."""
     folder = tmp_path_factory.mktemp("tiny")
     shutil.copytree(ROOT / "config", folder / "config")
-    texts = {"config/config.yaml": TINY, "rooms.txt": ROOMS, "mine.py": MINE}
+    texts = {"config/config.yaml": TINY, "rooms.txt": ROOMS, "mine.py": MINE, **ROS}
     for name, text in texts.items():
         (folder / name).write_text(text)
     places = product("AB", range(2), range(1, 201))
@@ -137,7 +143,27 @@ TEXTS = {
 FOREIGN = {"foreign_results": {"rooms": {"file": "walker.csv"}}}
 """Results of another program, which fit one number of seeds and episodes only."""
 
-LISTS = {"methods": ["ptl", "no_transfer", "policy_reuse"], "method_parameters": {"mine": {"weight": 2}}}
+OPTIONS = "environments.rooms.map_options."
+LISTS = {
+    "methods": ["ptl", "no_transfer", "policy_reuse"],
+    "method_parameters": {"mine": {"weight": 2}},
+    "decision.looks": [50, 100],
+    f"{OPTIONS}start": [2, 2],
+    f"{OPTIONS}goals": [[2, 4], [4, 6]],
+    f"{OPTIONS}seed": 5,
+    f"{OPTIONS}cell": 1.0,
+}
+"""Another value for each key that is a list, and for options of maps."""
+
+
+def base_of(name: str) -> dict[str, Any]:
+    """Return what must be given before a key can be: results of another program, or a map that leaves things open."""
+    if name.startswith("foreign_results"):
+        return FOREIGN
+    if name.startswith(OPTIONS) and not name.endswith("format"):
+        return {"environments": {"rooms": {"map": "ros.yaml"}}}
+    return {}
+
 
 LEARNING = {"learn", "grow", "decide"}
 RULES = {
@@ -172,6 +198,8 @@ RULES = {
 
 def other_value(key: Key, name: str) -> Any:
     """Return an allowed value that differs from the one in the tiny run."""
+    if name in LISTS:
+        return LISTS[name]
     kind = get_args(key.type)[0]
     options = [kind, *get_args(kind)]
     for option in options:
@@ -184,7 +212,7 @@ def other_value(key: Key, name: str) -> Any:
     if kind is float:
         low, high = key.meta.ge or key.meta.gt or 0, key.meta.le or key.meta.lt
         return (key.default + low) / 2 if key.default > low else (key.default + high) / 2
-    return TEXTS[name] if kind is str else LISTS[name]
+    return TEXTS[name]
 
 
 def nested(name: str, value: Any) -> dict[str, Any]:
@@ -194,18 +222,20 @@ def nested(name: str, value: Any) -> dict[str, Any]:
     return value
 
 
+def merged(one: dict[str, Any], other: dict[str, Any]) -> dict[str, Any]:
+    """Return nested dictionaries in one; the values of the other count."""
+    both = {name: merged(one[name], other[name]) for name in one if isinstance(one[name], dict) and name in other}
+    return {**one, **other, **both}
+
+
 KEYS = [(key, key.name.replace("<name>", "rooms")) for key in keys_of(Configuration)]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("key", "name"), KEYS, ids=[name for _, name in KEYS])
 def test_a_key_changes_some_job(key: Key, name: str, jobs_of: Callable[[dict[str, Any]], Jobs]) -> None:
-    base = FOREIGN if name.startswith("foreign_results") else {}
-    value = other_value(key, name)
-    if base:
-        changed = {"foreign_results": {"rooms": {**base["foreign_results"]["rooms"], name.rpartition(".")[2]: value}}}
-    else:
-        changed = nested(name, value)
+    base = base_of(name)
+    changed = merged(base, nested(name, other_value(key, name)))
     before, after = jobs_of(base), jobs_of(changed)
     rules = {jobs[path][0] for path in changed_jobs(before, after) for jobs in (before, after) if path in jobs}
     assert RULES[max((group for group in RULES if f"{name}.".startswith(f"{group}.")), key=len)] <= rules
