@@ -155,7 +155,8 @@ def files_of(jobs):
 def decided(look):
     """Files of the runs that decide claims: those of the first look, and of later ones while a claim is open."""
     chosen = [job for job in DECISION.values() if job.look == 1]
-    for before in range(1, look):
+    # a run without what claims speak of has no looks
+    for before in range(1, look if chosen else 1):
         found = checkpoints.look.get(look=before).output.open
         pairs = {
             tuple(pair)
