@@ -70,7 +70,7 @@ def test_a_figure_on_a_phone_is_large_and_scrolls(opened) -> None:
     assert "↔" in page.execute_script(hint)
 
 
-@pytest.mark.parametrize(("width", "cut"), [(1400, False), (390, True)])
+@pytest.mark.parametrize(("width", "cut"), [(1400, False), (280, True)])
 def test_a_shadow_shows_that_a_table_scrolls(opened, width: int, cut: bool) -> None:
     page = opened("index.html", width)
     box = page.find_element(By.CSS_SELECTOR, "div.scroll")
