@@ -136,7 +136,7 @@ def build_wheel(python: str | Path, folder: Path) -> Path:
         capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr[-3000:]
-    [wheel] = (folder / "wheels").glob("ptl-*.whl")
+    [wheel] = (folder / "wheels").glob("ptl_skill_library-*.whl")
     return wheel
 
 

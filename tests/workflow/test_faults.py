@@ -158,7 +158,7 @@ def test_smoke_run_killed_many_times_ends_in_the_same_bytes(tmp_path, record_pro
 
 @pytest.mark.slow
 def test_a_second_run_is_refused_while_the_first_goes_on_and_not_after_it_was_killed(tmp_path):
-    project = Project(tmp_path / "busy")
+    project = Project(tmp_path / "busy", seeds=40)  # takes longer than a second run needs to start
     lock = project.folder / LOCK
     run = start(project, "learning")
     try:
