@@ -13,7 +13,7 @@ from ptl.claims.degrees import STRICT
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.text import number, percent
 from studies.multiverse.judging import JUDGED
-from studies.multiverse.shares import drawn, held
+from studies.multiverse.shares import DRAWN, drawn, held
 
 RARE = 0.05
 """A claim that holds in fewer of the settings is not asked what it is compatible with."""
@@ -102,7 +102,7 @@ def score_table(verdicts: pd.DataFrame) -> pd.DataFrame:
         share of drawn settings with a lower share, ties half.
     """
     frame = pd.DataFrame({"setting": verdicts["setting"].unique()}).set_index("setting")
-    is_drawn = frame.index.str.startswith("setting_")
+    is_drawn = frame.index.str.startswith(DRAWN)
     for read in (LAST_TASK, TRANSFER_TASKS):
         table = held(verdicts, read)
         frame["judged"] = table.notna().sum(axis=1)

@@ -17,6 +17,7 @@ from ptl.text import MISSING, interval, number, percent
 from studies.multiverse.adoption import ABOUT_PTL
 from studies.multiverse.design import Multiverse, Unknown
 from studies.multiverse.judging import NOT_JUDGED
+from studies.multiverse.shares import drawn
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -157,7 +158,7 @@ def conclusions(
         f" settings if claims are read on task F, and than in {percent(round(float(row[f'rank_{TRANSFER_TASKS}']), 3))}"
         " if they are read on B to F together: it was chosen because it fits, and its agreement is no prediction."
     )
-    cloud = scores[scores["setting"].str.startswith("setting_")]
+    cloud = drawn(scores)
     for read, words in ((LAST_TASK, "on task F"), (TRANSFER_TASKS, "on B to F together")):
         held = cloud[f"held_{read}"]
         yield (
