@@ -65,8 +65,8 @@ class Skills(Group, frozen=True, kw_only=True):
         key("Form of the prior over the distance between subgoal and goal.", CHOSEN),
     ] = "exponential"
     prior_width: Annotated[
-        float, key("sigma, width of the prior as a share of the map's diagonal.", FITTED, gt=0, le=1000)
-    ] = 0.03
+        float, key("sigma, width of the prior as a share of the map's diagonal.", CHOSEN, gt=0, le=1000)
+    ] = 0.1
     likelihood_exponent: Annotated[
         float, key("kappa, exponent of the performance in the likelihood.", CHOSEN, ge=0, le=100)
     ] = 2.0
@@ -85,9 +85,9 @@ class Skills(Group, frozen=True, kw_only=True):
         key(
             "What a drawn skill does: lead, with another draw when patience runs out; lead once; lead again in its"
             " initiation set as well; be mixed into the agent's own policy; or give Q the values that it starts from.",
-            CHOSEN,
+            FITTED,
         ),
-    ] = "reselect"
+    ] = "initiation_set"
     null_skill: Annotated[
         bool, key('Whether "no guidance" stays a candidate once the library holds a skill.', CHOSEN)
     ] = True

