@@ -47,7 +47,7 @@ _PLACES = {
     "SkillSelection": "ptl.agent._selection",
     "greedy_policy": "ptl.agent.policies",
     "Learn": "ptl.jobs.learn",
-    "read": "ptl.files.store",
+    "read": "ptl.jobs.kinds",
     "tasks_in": "ptl.jobs.learn",
     "skills_of": "ptl.jobs.learn",
     "measure": "ptl.measures.measures",

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
-from projects import FIRST_MAPS
+from projects import MAPS
 
 from ptl.claims.evidence import Evidence, settings_of
 from ptl.learning.discoveries import SubgoalRow
@@ -35,7 +35,7 @@ class MadeUpRun:
     """
 
     def __init__(self):
-        self.worlds = {name: load_map(FIRST_MAPS[name]) for name in ENVIRONMENTS}
+        self.worlds = {name: load_map(MAPS / f"{name}.txt") for name in ENVIRONMENTS}
         self.curves = {}
         for level, task in enumerate(TASKS, start=1):
             env1 = {
@@ -76,6 +76,7 @@ class MadeUpRun:
         skills = np.array([1, 5, 10, 50, 100, 200, 400, 600, 800, 1000])
         self.selection = pd.DataFrame({"skills": skills, "operations": 5 + 30 * skills})
         self.more_subgoals = None
+        self.selected = {"env1": self.at("env1", (6, 11), 60) + self.at("env1", (3, 4), 40)}
         self.library_bytes = pd.DataFrame({"states": 706, "skills": [1, 10], "bytes": [710, 7100]})
 
     def change(self, environment, methods, position, value, tasks=TASKS):
@@ -102,10 +103,16 @@ class MadeUpRun:
             steps=measured.steps,
             subgoals=pd.concat([measured.subgoals, self.more_subgoals], ignore_index=True),
             growth=np.array([np.floor(self.library_sizes + run / seeds).astype(int) for run in range(seeds)]),
+            frequencies=self.selected,
             selection_cost=self.selection,
             library_bytes=self.library_bytes,
             **settings_of(groups),
         )
+
+    def at(self, environment, cell, number):
+        """Return a number at one cell, 0 elsewhere."""
+        world = self.worlds[environment]
+        return np.bincount([world.state_at(*cell)], [number], world.n_states).astype(int)
 
     def runs(self, key, seeds):
         found = None

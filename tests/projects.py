@@ -14,9 +14,6 @@ import yaml
 
 ROOT = next(folder for folder in Path(__file__).resolve().parents if (folder / "Snakefile").is_file())
 MAPS = ROOT / "config/environments"
-FIRST_MAPS = {"env1": MAPS / "first/env1.txt", "env2": MAPS / "first/env2.txt", "env3": MAPS / "env3.txt"}
-"""Maps of the first reference, whose cells tests name."""
-
 ROOMS = "#########\n#I..#..A#\n#.......#\n#...#..B#\n#########\n"
 """Map ``rooms.txt`` of every copy."""
 

@@ -14,6 +14,7 @@ from ptl.claims.evidence import Evidence
 from ptl.claims.reading import tasks_text
 from ptl.claims.thresholds import ABOUT, ABOUT_POINTS, MAJORITY
 from ptl.claims.verdict import Part, above, below, between, in_plain_reading
+from ptl.measures.statistics import exactly
 from ptl.text import percent
 
 ENV = "env1"
@@ -58,9 +59,28 @@ def subgoals(evidence: Evidence) -> Iterator[Part | str]:
         0.0,
     )
     yield f"doorways and their neighbours are {percent(at_any.mean())} of the states"
-    exactly = hits("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
+    on_doorway = hits("incremental", TASKS, dict.fromkeys(TASKS, places.near(world, doors, 0)))
     yield f"runs with all subgoals on doorways: {anywhere.all(axis=1).sum()} of {len(anywhere)}"
-    yield f"on the very cell of a doorway, not beside it: {exactly.sum()} of {exactly.size} subgoals"
+    yield f"on the very cell of a doorway, not beside it: {on_doorway.sum()} of {on_doorway.size} subgoals"
+
+
+@claim(
+    "E1-frequencies",
+    "Over all pairs of start and goal, doorways are the states that the original metric selects most often.",
+    shown_in="figure08",
+    open_to="tolerance",
+)
+def frequencies(evidence: Evidence) -> Iterator[Part | str]:
+    """Count the selections of the survey; there is no interval, since its pairs are all there are."""
+    world, counts = evidence.world(ENV), evidence.selected(ENV)
+    at = places.near(world, places.doorways(world), evidence.reading.tolerance)
+    share, states = float(counts[at].sum() / counts.sum()), float(at.mean())
+    yield above("share of all selections that fall on doorways", exactly(share), MAJORITY)
+    most = float(counts[at].max() / max(counts[~at].max(), 1))
+    yield above(
+        "selections of the doorway selected most over those of the other state selected most", exactly(most), 1.0
+    )
+    yield f"doorways and their neighbours are {percent(states)} of the states"
 
 
 @claim(

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from ptl.claims import comparisons as c
 from ptl.claims import places
 from ptl.claims.claim import claim
@@ -11,6 +13,8 @@ from ptl.claims.evidence import Evidence
 from ptl.claims.reading import tasks_text
 from ptl.claims.thresholds import FEW_EPISODES, NO_IMPROVEMENT
 from ptl.claims.verdict import Part, above, below
+from ptl.measures import statistics
+from ptl.measures.statistics import named_generator
 
 ENV = "env3"
 
@@ -47,6 +51,27 @@ def threshold(evidence: Evidence) -> Iterator[Part | str]:
     tasks = evidence.reading.tasks
     yield from c.needs_fewer_episodes(evidence, ENV, c.BASE, tasks)
     yield from c.never_reached(evidence, ENV, (c.PTL, c.BASE), tasks)
+
+
+@claim(
+    "E3-recovery",
+    "Where skills mislead, PTL recovers within a few episodes, even if its first episode gets longer.",
+    shown_in="figure12",
+    open_to="tasks",
+)
+def recovery(evidence: Evidence) -> Iterator[Part | str]:
+    """Compare the episodes after the first, up to the last of a few; the first one is that of E3-jump."""
+    total, levels = [], []
+    for task in evidence.reading.tasks:
+        own, base = evidence.curves(ENV, (c.PTL, c.BASE), task)
+        few = (slice(None), slice(1, FEW_EPISODES))
+        total.append((base[few] - own[few]).sum(axis=1))
+        levels.append(float(base[few].sum(axis=1).mean()))
+    generator = named_generator(ENV, evidence.reading.tasks, c.PTL, "recovery")
+    saved = statistics.mean(np.sum(total, axis=0), evidence.how, generator)
+    text = f"{tasks_text(evidence.reading.tasks)}, steps in episodes 2 to {FEW_EPISODES}, {c.BASE} minus {c.PTL}"
+    yield above(text, saved, 0.0, "steps", sum(levels))
+    yield from c.elsewhere(evidence, ENV, "first_episode")
 
 
 @claim("E3-ratio", "The transfer ratio of PTL exceeds 50%.", shown_in="table6", open_to="tasks")

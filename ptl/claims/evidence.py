@@ -63,6 +63,8 @@ class Evidence:
         (environment, method, task) to int array (seeds, episodes).
     growth : array, optional
         Size of the library after 0, 1, ... tasks, (runs, tasks + 1).
+    frequencies : mapping, optional
+        How often each state is the subgoal over all pairs of start and goal, int array (n_states,) by environment.
     selection_cost, library_bytes : DataFrame, optional
         As in `ptl.measures.library_cost`.
     exact : bool
@@ -83,6 +85,7 @@ class Evidence:
     steps: Mapping[Names, np.ndarray] | None = None
     subgoals: pd.DataFrame | None = None
     growth: np.ndarray | None = None
+    frequencies: Mapping[str, np.ndarray] | None = None
     selection_cost: pd.DataFrame | None = None
     library_bytes: pd.DataFrame | None = None
     exact: bool = False
@@ -241,6 +244,12 @@ class Evidence:
             (str(environment), str(method), str(task)): rows.sort_values("seed")
             for (environment, method, task), rows in self.needed("subgoals").groupby(["environment", "method", "task"])
         }
+
+    def selected(self, environment: str) -> np.ndarray:
+        """Return how often each state is the subgoal over all pairs of start and goal, int array (n_states,)."""
+        if environment not in (self.frequencies or {}):
+            raise MissingEvidence(f"{environment}: subgoal frequencies are not in this run")
+        return self.needed("frequencies")[environment]
 
     def needed(self, name: str) -> Any:
         """Return the attribute of this name, which must not be absent or empty."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ptl.claims.evidence import Evidence, settings_of
+from ptl.files.store import Result
 from ptl.measures import run_files
 from ptl.world.gridworld import GridWorld
 
@@ -19,6 +20,7 @@ def read_evidence(
     steps: str | Path | None = None,
     subgoals: str | Path | None = None,
     growth: str | Path | None = None,
+    survey: Iterable[Result] = (),
     selection_cost: str | Path | None = None,
     library_bytes: str | Path | None = None,
 ) -> Evidence:
@@ -30,6 +32,8 @@ def read_evidence(
     groups : namespace
         See `ptl.claims.evidence.settings_of`.
     per_seed, steps, subgoals, growth, selection_cost, library_bytes : paths
+    survey : iterable of Result
+        Subgoal frequencies of each environment.
 
     Raises
     ------
@@ -42,6 +46,7 @@ def read_evidence(
         steps=None if steps is None else run_files.read_steps(steps),
         subgoals=None if subgoals is None else run_files.read_subgoals(subgoals),
         growth=None if growth is None else run_files.read_sizes(growth),
+        frequencies={result.job.environment: result.arrays["counts"] for result in survey},
         selection_cost=None if selection_cost is None else run_files.read_selection(selection_cost),
         library_bytes=None if library_bytes is None else run_files.read_storage(library_bytes),
         **settings_of(groups),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from importlib import import_module
 from types import ModuleType
 
@@ -10,6 +11,8 @@ import msgspec
 import ptl.jobs  # noqa: F401 - registers its kinds
 from ptl.files.job import KINDS, Job, Tagged, from_text, lines_of
 from ptl.files.provenance import ROOT
+from ptl.files.store import Result
+from ptl.files.store import read as read_known
 
 
 def job_from(text: str | bytes) -> Job:
@@ -21,6 +24,12 @@ def job_from(text: str | bytes) -> Job:
     if not known:
         register_studies()
     return from_text(text)
+
+
+def read(path: str | os.PathLike[str]) -> Result:
+    """Return what a result file of any kind holds; errors as in `ptl.files.store.read`."""
+    register_studies()
+    return read_known(path)
 
 
 def unpacked(text: str) -> list[Job]:

@@ -63,8 +63,8 @@ RULE = (
 
 
 FITTED = (
-    "How PTL uses a skill within an episode was chosen, by a rule fixed beforehand, because more of these claims come out"
-    " with it over all else that the article leaves open, so agreement is to that extent a fit and no prediction;"
+    "How PTL uses a skill within an episode was chosen, by a rule fixed beforehand, because more of these claims come"
+    " out with it over all else that the article leaves open, so agreement is to that extent a fit and no prediction;"
     " docs/reconstruction.md describes the choice. The maps and all other settings were chosen before anything was"
     " compared with the article."
 )

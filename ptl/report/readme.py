@@ -60,8 +60,8 @@ def result(published: Path) -> str:
         f" are {in_each(TRANSFER_TASKS, FULL)}. (Ratio of the means over {runs} runs.)",
         "",
         f"Of the article's {len(claims)} claims, judged on [many more runs](#results) and under all readings of their"
-        f" words: {counts_text(claims['class'])}. Two maps and a width of the method were [chosen because more claims"
-        " come out with them](docs/reconstruction.md#choices-made-because-they-fit).",
+        f" words: {counts_text(claims['class'])}. One choice of the method, what a skill does within an episode, was"
+        " [made because more claims come out with it](docs/reconstruction.md#the-choice-made-because-it-fits).",
         "",
         "![Total steps relative to no transfer in three environments, for each task and method, and the classes of the"
         " claims](reports/published/figures/front.png)",

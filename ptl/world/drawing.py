@@ -2,11 +2,9 @@
 
 Changes are named ``<environment>.<kind>``, with the kinds
 
-``start``       another start cell, [row, column] counted from 0,
-``room_size``   a chain of seven square rooms with this many cells on a side,
-``goal_depth``  a chain of seven rooms whose goals are this far inside, as a share of the room's length,
-``chain``       a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
-``corridor``    a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
+``start``     another start cell, [row, column] counted from 0,
+``chain``     a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
+``corridor``  a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
 
 The last two draw a new map, regardless of the given world.
 """
@@ -15,19 +13,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from ptl.errors import UserError
 from ptl.world.gridworld import GridWorld
 
-ROOM_SIZE, GOAL_DEPTH = 12, 0.6
+ROOM_SIZE, GOAL_DEPTH = 10, 0.9
 """The values behind the map of environment 1."""
 
 GOAL_ROW = 0.9
 """Row of every goal in its room of the chain, as a share of the room's height."""
 
-DETAILS_OF_CHAIN = ("room_size", "goal_depth")
-KINDS = ("start", *DETAILS_OF_CHAIN, "chain", "corridor")
+KINDS = ("start", "chain", "corridor")
 
 
 def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
@@ -36,19 +31,11 @@ def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
     Raises
     ------
     UserError
-        For an unknown kind, a value that makes no map, or a chain of rooms asked for on another kind of map.
+        For an unknown kind, or a value that makes no map.
     """
     unknown = set(changes) - set(KINDS)
     if unknown:
         raise UserError(f"{world.name}: cannot change {unknown.pop()!r}; known are {', '.join(KINDS)}")
-    if not set(changes).isdisjoint(DETAILS_OF_CHAIN):
-        if world.text != chain_of_rooms(ROOM_SIZE, GOAL_DEPTH):
-            raise UserError(
-                f"{world.name}: is not the chain of seven rooms, so neither room_size nor goal_depth can be"
-                " changed; vary them in environment 1 only"
-            )
-        text = chain_of_rooms(changes.get("room_size", ROOM_SIZE), changes.get("goal_depth", GOAL_DEPTH))
-        world = GridWorld.from_text(text, name=world.name)
     for kind, draw in (("chain", chain_of_rooms), ("corridor", corridor_with_rooms)):
         if kind in changes:
             world = GridWorld.from_text(draw(**changes[kind]), name=world.name)  # type: ignore[arg-type, operator]
@@ -85,9 +72,9 @@ def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: o
         Row of the doors as a share of ``size``, in (0, 1]; the row below the middle if left out.
     """
     if not (isinstance(size, int) and size >= 4):
-        raise UserError(f"room_size: {size!r} is not allowed; give a whole number of at least 4")
+        raise UserError(f"size: {size!r} is not allowed; give a whole number of at least 4")
     if not (isinstance(depth, int | float) and 0 < depth <= 1):
-        raise UserError(f"goal_depth: {depth!r} is not allowed; give a number in (0, 1]")
+        raise UserError(f"depth: {depth!r} is not allowed; give a number in (0, 1]")
     if not (door is None or (isinstance(door, int | float) and 0 < door <= 1)):
         raise UserError(f"door: {door!r} is not allowed; give a number in (0, 1]")
     door_row = size // 2 + 1 if door is None else _share(size, float(door))
@@ -153,9 +140,3 @@ def corridor_with_rooms(width: int = 4, depth: int = 4, corridor: int = 2, big: 
 def _share(size: int, share: float) -> int:
     """Return the cell, counted from 1, at a share of the room's length."""
     return max(1, round(share * size))
-
-
-def region(world: GridWorld, rows: Sequence[int], columns: Sequence[int]) -> np.ndarray:
-    """Return the free cells between two rows and two columns (inclusive, from 0), bool (n_states,)."""
-    row, column = world.cells.T
-    return (rows[0] <= row) & (row <= rows[1]) & (columns[0] <= column) & (column <= columns[1])

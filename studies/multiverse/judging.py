@@ -31,6 +31,8 @@ from studies.multiverse.learning import MEASURED, NEVER, SUBGOALS, worlds_of
 NOT_JUDGED = {
     "selection-cost": "counts the operations of one selection, in which nothing that is drawn enters",
     "space": "is the size of a library in bytes, in which nothing that is drawn enters",
+    "E1-frequencies": "needs every pair of start and goal, which would take most of the time of a setting",
+    "E3-recovery": "needs the whole curves, which are not kept",
     "curves": "needs the whole curves, which are not kept",
     "reuse-spikes": "needs the whole curves, which are not kept",
 }

@@ -23,11 +23,11 @@ from ptl.world.gridworld import GridWorld
 from ptl.world.map_files import load_map
 
 PUBLISHED = ["env1", "env2", "env3"]
-HITTING_TIMES = {  # mean length of a first episode of tasks A..F, of the published and of the first maps
-    "env1": [4544, 9130, 16000, 25156, 36597, 50322],
-    "env2": [3476, 3841, 4701, 6006, 6189, 6313],
-    "first/env1": [3473, 6682, 11437, 17736, 25580, 34969],
-    "first/env2": [2575, 2864, 3564, 4630, 5206, 5312],
+HITTING_TIMES = {  # mean length of a first episode of tasks A..F, of the published and of the fitted maps
+    "env1": [3473, 6682, 11437, 17736, 25580, 34969],
+    "env2": [2575, 2864, 3564, 4630, 5206, 5312],
+    "fitted/env1": [4544, 9130, 16000, 25156, 36597, 50322],
+    "fitted/env2": [3476, 3841, 4701, 6006, 6189, 6313],
     "env3": [4738, 5604, 8115, 9920, 8550, 8250],
 }
 

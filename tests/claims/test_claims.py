@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -22,7 +23,7 @@ from made_up_run import (
     VARIANTS,
     MadeUpRun,
 )  # fmt: skip
-from projects import FIRST_MAPS
+from projects import MAPS
 
 from ptl import claims
 from ptl.claims import places
@@ -41,12 +42,12 @@ CLAIMS = {claim.id: claim for claim in claims.CLAIMS}
 
 @pytest.fixture(scope="module")
 def env1():
-    return load_map(FIRST_MAPS["env1"])
+    return load_map(MAPS / "env1.txt")
 
 
 @pytest.fixture(scope="module")
 def env2():
-    return load_map(FIRST_MAPS["env2"])
+    return load_map(MAPS / "env2.txt")
 
 
 def concerned(id):
@@ -128,6 +129,7 @@ def overfull_library(run):
 
 CONTRARY = {
     "E1-subgoals": subgoals_in_room_1,
+    "E1-frequencies": lambda run: run.selected.update(env1=run.at("env1", (3, 4), 60) + run.at("env1", (6, 11), 40)),
     "E1-order": harder_is_easier,
     "E1-all": ptl_worse_in_env1,
     "E1-jump": lambda run: run.change("env1", PTL, 0, lambda steps: 20 * steps),
@@ -142,6 +144,7 @@ CONTRARY = {
     "E2-positive": lambda run: run.change("env2", FULL, 1, 5000),
     "E2-subgoals": subgoals_in_the_corridor,
     "E3-jump": lambda run: run.change("env3", PTL, 0, 200),
+    "E3-recovery": lambda run: (run.change("env3", PTL, 1, 600), run.change("env3", PTL, 2, 30)),
     "E3-threshold": lambda run: run.change("env3", PTL, 2, 100),
     "E3-ratio": lambda run: run.change("env3", PTL, 1, 10**5),
     "E3-few": all_slow_but_no_transfer,
@@ -223,7 +226,7 @@ def test_not_improved_needs_more_than_lack_of_significance(as_in_the_article):
 
 # -- missing evidence ----------------------------------------------------------------------------------------
 
-COUNTED = {"E2-size", "selection-cost", "space"}
+COUNTED = {"E1-frequencies", "E2-size", "selection-cost", "space"}
 """Claims that rest on no runs."""
 
 
@@ -484,7 +487,11 @@ def files(tmp_path, as_in_the_article):
         frame.to_csv(paths[name], index=False)
     paths["steps"] = tmp_path / "steps.h5"
     write_steps(paths["steps"], evidence.steps)
-    return paths
+    survey = [
+        SimpleNamespace(job=SimpleNamespace(environment=name), arrays={"counts": counts})
+        for name, counts in evidence.frequencies.items()
+    ]
+    return {**paths, "survey": survey}
 
 
 def test_files_give_the_verdicts_of_the_run_in_memory(files, as_in_the_article, verdicts):

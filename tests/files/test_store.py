@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import random
+import subprocess
+import sys
 
 import msgspec
 import numpy as np
@@ -49,6 +51,12 @@ def test_equal_jobs_give_equal_bytes(tmp_path):
     assert write_life(tmp_path / "a", "ptl", 1).read_bytes() != first.read_bytes()
     assert store.digest_in(first) == job("ptl").digest
     assert store.digest_in(tmp_path / "none.h5") is None
+
+
+def test_the_library_reads_a_file_of_any_kind_in_a_fresh_interpreter(learned):
+    code = "import sys, ptl; print(ptl.read(sys.argv[1]).job.place)"
+    command = [sys.executable, "-c", code, str(learned)]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip() == job("ptl", 3).place
 
 
 def test_a_growth_file_is_read_back(tmp_path):

@@ -10,7 +10,7 @@ import oracles
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from projects import FIRST_MAPS, MAPS
+from projects import MAPS
 
 from ptl.errors import UserError
 from ptl.world.gridworld import GridWorld
@@ -19,10 +19,10 @@ from ptl.world.map_files import load_map
 SMALL = "#####\n#I.A#\n#.#.#\n#####\n"  # states 0 1 2 over 3 4
 
 FIGURES_5_TO_7 = {  # states, and the shortest paths from I to A..F
-    "env1": (1014, [27, 40, 53, 66, 79, 92]),
-    "env2": (265, [7, 11, 17, 21, 30, 30]),
-    "first/env1": (706, [25, 36, 47, 58, 69, 80]),
-    "first/env2": (243, [5, 9, 15, 19, 31, 30]),
+    "env1": (706, [25, 36, 47, 58, 69, 80]),
+    "env2": (243, [5, 9, 15, 19, 31, 30]),
+    "fitted/env1": (1014, [27, 40, 53, 66, 79, 92]),
+    "fitted/env2": (265, [7, 11, 17, 21, 30, 30]),
     "env3": (301, [16, 18, 28, 33, 21, 20]),
 }
 
@@ -95,8 +95,8 @@ def test_sizes_and_shortest_paths_of_the_maps(name):
     assert [int(from_start[goal]) for goal in world.goals.values()] == lengths
 
 
-def test_the_first_environment_1_is_a_chain_of_equal_rooms():
-    assert mazes.chain_of_rooms(7, 10) == load_map(FIRST_MAPS["env1"]).text
+def test_environment_1_is_a_chain_of_equal_rooms():
+    assert mazes.chain_of_rooms(7, 10) == load_map(MAPS / "env1.txt").text
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)

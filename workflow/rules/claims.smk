@@ -51,6 +51,7 @@ rule judge_claims:
         subgoals=rules.measure.output.subgoals,
         steps=rules.measure.output.steps,
         growth=rules.collect_growth.output,
+        survey=files_of(SURVEYS),
         selection_cost=rules.library_cost.output.selection,
         library_bytes=rules.library_cost.output.storage,
         decision=lambda wildcards: decided(LAST_LOOK),
@@ -71,7 +72,7 @@ rule judge_claims:
         "../envs/ptl.yaml"
     params:
         groups=groups("measures", "statistics", "growth", "decision"),
-        jobs=packed(DECISION.values()),
+        jobs=packed([*SURVEYS.values(), *DECISION.values()]),
         maps=map_digests(),
         environments=entries(),
         looks=looks(),

@@ -13,16 +13,16 @@ FILES = ("per_seed", "steps", "subgoals", "growth", "selection_cost", "library_b
 
 with running(snakemake) as script:
     files = {name: str(getattr(script.input, name)) for name in FILES}
-    evidence = read_evidence(script.worlds, script.groups, **files)
+    evidence = read_evidence(script.worlds, script.groups, survey=script.results(script.input.survey), **files)
     few = judge(evidence)
     deciding, run = evidence, ledger.run_text(evidence.n_seeds(), script.groups.statistics)
     if script.input.decision:
-        costs = {name: getattr(evidence, name) for name in ("selection_cost", "library_bytes")}
+        shared = {name: getattr(evidence, name) for name in ("frequencies", "selection_cost", "library_bytes")}
         results = list(script.results(script.input.decision))
         looks = script.groups.decision.looks
         last = max(result.job.look for result in results)
         level = confidence_at(last, looks, script.groups.statistics.confidence)
-        deciding = evidence_of(results, script.groups, level, **costs)
+        deciding = evidence_of(results, script.groups, level, **shared)
         run = ledger.decided_text(results, looks, level, evidence.n_seeds(), script.groups.statistics)
     entries = [*map(ledger.Entry, judge(deciding), few, degrees_of(CLAIMS, deciding))]
     names = script.titles | {name: label for name, (label, _) in script.looks.items()}

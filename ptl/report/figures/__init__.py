@@ -37,7 +37,9 @@ GREEDY = (
 """What a caption says of curves with policy reuse."""
 
 OUR_MAPS = {"config/environments/env1.txt", "config/environments/env2.txt"}
-OUR_DRAWING = " This drawing is ours, made from the article's words before anything was compared; the article's is lost."
+OUR_DRAWING = (
+    " This drawing is ours, made from the article's words before anything was compared; the article's is lost."
+)
 """Maps that this reconstruction drew, and what their captions say."""
 
 ALWAYS_SHOWN = {"no_transfer", "ptl"}

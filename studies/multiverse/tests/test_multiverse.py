@@ -99,9 +99,9 @@ def test_a_change_of_a_drawing_goes_to_its_map_and_the_rest_to_the_parameters() 
 
 
 def test_a_named_setting_may_have_another_map(worlds: dict[str, GridWorld]) -> None:
-    point = Point("first", {}, {}, maps={"env1": "first_env1"})
+    point = Point("fitted", {}, {}, maps={"env1": "fitted_env1"})
     own = worlds_of(point, worlds, ["env1", "env2"])
-    assert own["env1"].text == worlds["first_env1"].text
+    assert own["env1"].text == worlds["fitted_env1"].text
     assert own["env2"].text == worlds["env2"].text
     drawn = worlds_of(Point("drawn", {"env1.chain.size": 7}, {}), worlds, ["env1"])
     assert drawn["env1"].text == chain_of_rooms(7)
