@@ -56,7 +56,7 @@ for method in METHODS:
 
 # %%
 settings, how = Measures(), Resampling(Statistics().confidence, Statistics().resamples)
-measured = measure(runs, worlds, settings.window, settings.threshold_factor)
+measured = measure(runs, worlds, settings.window, settings.threshold_factor, Parameters().learning)
 
 SHOWN = ["first_episode", "threshold_episode", "total_steps", "transfer_ratio"]
 estimates = summarise(measured.per_seed.query("task == 'F'"), how)

@@ -9,6 +9,7 @@ import pandas as pd
 from projects import MAPS
 
 from ptl.claims.evidence import Evidence, settings_of
+from ptl.config import Learning
 from ptl.learning.discoveries import SubgoalRow
 from ptl.measures.measures import Runs, measure
 from ptl.world.map_files import load_map
@@ -19,6 +20,7 @@ PTL, SUPERVISED, UNKNOWN = VARIANTS = ("ptl", "ptl_supervised", "ptl_unknown_goa
 METHODS = (BASE, FULL, REUSE, *VARIANTS)
 EPISODES, SEEDS = 200, 12
 GROUPS = SimpleNamespace(
+    learning=Learning(),
     measures=SimpleNamespace(window=10, threshold_factor=1.5),
     statistics=SimpleNamespace(confidence=0.95, resamples=200),
     growth=SimpleNamespace(breakpoint=7),

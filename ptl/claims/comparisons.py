@@ -32,6 +32,19 @@ def label(metric: str) -> str:
     return BY_NAME[metric].heading.lower()
 
 
+def own_and_base(
+    evidence: Evidence, environment: str, tasks: str, method: str, metric: str
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return a measure of the method and of the base, two arrays (seeds,).
+
+    The first episode of the base is what the jump start compares with: its expectation, where that is known.
+    """
+    if metric == "first_episode":
+        own = evidence.values(environment, tasks, method, metric)
+        return own, own + evidence.values(environment, tasks, method, "jump_start")
+    return evidence.pair((environment, tasks, method), (environment, tasks, BASE), metric)
+
+
 # -- estimates -----------------------------------------------------------------------------------------------
 
 
@@ -55,7 +68,7 @@ def saved(evidence: Evidence, environment: str, task: str, method: str, other: s
 
 def saved_percent(evidence: Evidence, environment: str, task: str, method: str, metric: str) -> Estimate:
     """Return the steps that a method saves of a measure, in % of the base (a ratio of means)."""
-    own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
+    own, base = own_and_base(evidence, environment, task, method, metric)
     [name] = [measure.name for measure in MEASURES if measure.saves == metric and measure.function is None]
     generator = named_generator(environment, task, method, name)
     return statistics.ratio_of_means(100.0 * (base - own), base, evidence.how, generator)
@@ -144,7 +157,7 @@ def improves(evidence: Evidence, environment: str, tasks: str, method: str, meas
     text = f"{tasks_text(tasks)}, {method}, {label(measure)}"
     if chosen.saves:
         in_steps = chosen.unit == "steps"
-        scale = level(evidence, environment, tasks, BASE, chosen.saves) if in_steps else 1.0
+        scale = float(own_and_base(evidence, environment, tasks, method, chosen.saves)[1].mean()) if in_steps else 1.0
         estimate = mean(evidence, environment, tasks, method, measure)
         return above(text, estimate, 0.0, "steps" if in_steps else "", scale)
     if chosen.can_miss:
@@ -201,7 +214,7 @@ def elsewhere(
     texts = []
     for method, task in cases:
         try:
-            own, base = evidence.pair((environment, task, method), (environment, task, BASE), metric)
+            own, base = own_and_base(evidence, environment, task, method, metric)
         except MissingEvidence:
             continue
         texts.append(f"{method} on {task} {percent(round(1 - own.mean() / base.mean(), 2))}")

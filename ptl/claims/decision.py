@@ -104,7 +104,7 @@ def evidence_of(results: Iterable[Result], groups: Any, confidence: float, **tab
     results : iterable of Result
         In the order of the looks.
     groups : namespace
-        Groups measures, statistics and growth of the configuration.
+        Groups learning, measures, statistics and growth of the configuration.
     confidence : float
         See `confidence_at`.
     tables
@@ -123,7 +123,7 @@ def evidence_of(results: Iterable[Result], groups: Any, confidence: float, **tab
             growth = arrays["library_size"]
         else:
             runs += runs_of(environment, method, parts[0].job.tasks, arrays)
-    measured = measure(runs, worlds, groups.measures.window, groups.measures.threshold_factor)
+    measured = measure(runs, worlds, groups.measures.window, groups.measures.threshold_factor, groups.learning)
     settings = settings_of(groups) | {"how": Resampling(confidence, 0, normal=True)}
     return Evidence(
         per_seed=measured.per_seed,
@@ -131,7 +131,6 @@ def evidence_of(results: Iterable[Result], groups: Any, confidence: float, **tab
         steps=measured.steps,
         subgoals=measured.subgoals,
         growth=growth,
-        exact=True,
         **tables,
         **settings,
     )

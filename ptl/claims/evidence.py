@@ -15,7 +15,6 @@ import numpy as np
 import pandas as pd
 
 from ptl.claims.reading import DEFAULT, Reading
-from ptl.measures.exact import first_episode_without_transfer
 from ptl.measures.measures import BASE, BY_NAME, PER_SEED, Names
 from ptl.measures.statistics import Resampling
 from ptl.world.gridworld import GridWorld
@@ -67,8 +66,6 @@ class Evidence:
         How often each state is the subgoal over all pairs of start and goal, int array (n_states,) by environment.
     selection_cost, library_bytes : DataFrame, optional
         As in `ptl.measures.library_cost`.
-    exact : bool
-        Compare first episodes with the exact expectation of those without transfer instead of their mean.
     reading : Reading
         How claims read the article's words.
     episodes : int, optional
@@ -88,7 +85,6 @@ class Evidence:
     frequencies: Mapping[str, np.ndarray] | None = None
     selection_cost: pd.DataFrame | None = None
     library_bytes: pd.DataFrame | None = None
-    exact: bool = False
     reading: Reading = DEFAULT
     episodes: int | None = None
     used: set[tuple[str, str]] = field(default_factory=set, compare=False, repr=False)
@@ -162,24 +158,8 @@ class Evidence:
             environment, task, method = map(str, names)
             rows = rows[np.argsort(seeds[rows], kind="stable")]
             values = {name: column[rows] for name, column in columns.items()}
-            if self.exact and environment in self.worlds:
-                expected = self._expected_first(environment, task)
-                if method == BASE:
-                    values["first_episode"] = np.full(len(rows), expected)
-                values["jump_start"] = expected - values["first_episode"]
             tables[environment, task, method] = Table(seeds[rows], values)
         return tables
-
-    def _expected_first(self, environment: str, task: str) -> float:
-        world = self.worlds[environment]
-        key = (environment, task)
-        if key not in self._expectations:
-            self._expectations[key] = first_episode_without_transfer(world, world.goal(task))
-        return self._expectations[key]
-
-    @cached_property
-    def _expectations(self) -> dict[tuple[str, str], float]:
-        return {}
 
     def n_seeds(self) -> int:
         """Return the number of seeds of the run."""

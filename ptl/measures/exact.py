@@ -6,7 +6,23 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import spsolve
 
+from ptl.config import Learning
 from ptl.world.gridworld import GridWorld
+
+MAX_STATES = 10**5
+"""Maximum number of states for the linear system; it takes seconds then."""
+
+ROOM = 50
+"""Minimum step limit in numbers of the expected steps. Lengths of walks have an exponential tail, so that hardly one in
+10^20 is truncated."""
+
+
+def expected_first_episode(world: GridWorld, goal: int, learning: Learning) -> float | None:
+    """Return the expected steps of a first episode without transfer, None if it is no uniform walk or too large."""
+    if learning.ties != "random" or world.n_states > MAX_STATES:
+        return None
+    expected = first_episode_without_transfer(world, goal)
+    return expected if learning.max_steps >= ROOM * expected else None
 
 
 def first_episode_without_transfer(world: GridWorld, goal: int) -> float:

@@ -18,8 +18,10 @@ import pandas as pd
 
 from ptl.errors import UserError
 from ptl.learning.discoveries import SubgoalRow
+from ptl.measures.exact import expected_first_episode
 
 if TYPE_CHECKING:
+    from ptl.config import Learning
     from ptl.world.gridworld import GridWorld
 
 BASE = "no_transfer"
@@ -48,6 +50,8 @@ class Curves:
         Episodes that the asymptotic mean and the moving mean behind the time to threshold cover.
     threshold_factor : float
         The threshold is this many times the shortest path.
+    expected_first : float, optional
+        Expected steps of the base's first episode, to be taken instead of those of ``base``.
 
     Raises
     ------
@@ -61,6 +65,7 @@ class Curves:
     shortest_path: int
     window: int
     threshold_factor: float
+    expected_first: float | None = None
 
     def __post_init__(self) -> None:
         episodes = self.steps.shape[1]
@@ -74,8 +79,9 @@ def first_episode(curves: Curves) -> np.ndarray:
 
 
 def jump_start(curves: Curves) -> np.ndarray:
-    """Return the first-episode steps of the base minus those of the method, shape (seeds,)."""
-    return _base_steps(curves)[:, 0] - curves.steps[:, 0]
+    """Return the first-episode steps of the base, their expectation if it is known, minus the method's, (seeds,)."""
+    base = _base_steps(curves)[:, 0] if curves.expected_first is None else curves.expected_first
+    return base - curves.steps[:, 0]
 
 
 def asymptotic(curves: Curves) -> np.ndarray:
@@ -135,6 +141,8 @@ class Measure:
     saves : str
         Measure whose savings against the base this one expresses; such a measure is 0 for the base by definition,
         and runs are compared by the measure that it names.
+    difference : str
+        Measure that has the steps saved by each run, for a ratio of means; without it runs are subtracted.
     factor : float
         Factor of a ratio of means (100 for percent).
     whole : bool
@@ -152,6 +160,7 @@ class Measure:
     function: Callable[[Curves], np.ndarray] | None = None
     table: Literal["transfer", "total"] | None = None
     saves: str = ""
+    difference: str = ""
     factor: float = 1.0
     whole: bool = False
     can_miss: bool = False
@@ -171,9 +180,9 @@ class Measure:
 
 MEASURES = (
     Measure("first_episode", "First episode", "steps", "lower", first_episode, whole=True),
-    Measure("jump_start", "Jump start", "steps", "higher", jump_start, "transfer", saves="first_episode", whole=True),
+    Measure("jump_start", "Jump start", "steps", "higher", jump_start, "transfer", saves="first_episode"),
     Measure("jump_start_percent", "Jump start", "% of the base's mean", "higher", table="transfer",
-            saves="first_episode", factor=100.0),
+            saves="first_episode", factor=100.0, difference="jump_start"),
     Measure("asymptotic", "Asymptotic performance", "steps", "lower", asymptotic, "transfer"),
     Measure("threshold_episode", "Time to threshold", "episodes", "lower", threshold_episode, "transfer",
             whole=True, can_miss=True),
@@ -259,7 +268,11 @@ class Measurements:
 
 
 def measure(
-    runs: Sequence[Runs], worlds: Mapping[str, GridWorld], window: int, threshold_factor: float
+    runs: Sequence[Runs],
+    worlds: Mapping[str, GridWorld],
+    window: int,
+    threshold_factor: float,
+    learning: Learning | None = None,
 ) -> Measurements:
     """Measure runs.
 
@@ -270,6 +283,9 @@ def measure(
     worlds : mapping of environment to GridWorld
     window, threshold_factor
         See `Curves`.
+    learning : Learning, optional
+        Settings of the learner. With them first episodes are compared with the exact expectation of those of the base,
+        where there is one.
 
     Raises
     ------
@@ -287,16 +303,22 @@ def measure(
             methods.index(own.method),
         ),
     )
+    expected = {
+        (environment, task): expected_first_episode(worlds[environment], worlds[environment].goal(task), learning)
+        for environment, task in tasks
+        if learning is not None and (environment, BASE, task) in by_names
+    }
     frames = []
     for own in in_order:
-        world = worlds[own.environment]
+        world, base = worlds[own.environment], by_names.get((own.environment, BASE, own.task))
         curves = Curves(
             steps=own.steps,
-            base=_paired(own, by_names.get((own.environment, BASE, own.task))),
+            base=_paired(own, base),
             truncated=own.truncated,
             shortest_path=world.shortest_path_length(world.start, world.goal(own.task)),
             window=window,
             threshold_factor=threshold_factor,
+            expected_first=None if own is base else expected.get((own.environment, own.task)),
         )
         names = {"environment": own.environment, "task": own.task, "method": own.method, "seed": own.seeds}
         frames.append(pd.DataFrame(names | {measure.name: measure.column(curves) for measure in PER_SEED}))

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from ptl.config import Learning
 from ptl.errors import UserError
 from ptl.files.store import Result, read_arrays, write_arrays
 from ptl.files.tables import read_table
@@ -22,7 +23,11 @@ from ptl.world.gridworld import GridWorld
 
 
 def measure_files(
-    results: Iterable[Result], window: int, threshold_factor: float, foreign: Iterable[Runs] = ()
+    results: Iterable[Result],
+    window: int,
+    threshold_factor: float,
+    foreign: Iterable[Runs] = (),
+    learning: Learning | None = None,
 ) -> Measurements:
     """Measure the learning files of a run, one at a time in memory.
 
@@ -35,6 +40,8 @@ def measure_files(
         See `ptl.measures.measures.Curves`.
     foreign : iterable of Runs
         Runs of other programs on the same environments, tasks, seeds and episodes.
+    learning : Learning, optional
+        See `ptl.measures.measures.measure`.
 
     Raises
     ------
@@ -57,7 +64,8 @@ def measure_files(
             collected.setdefault((job.environment, job.method, letter), []).append(row)
     if not collected:
         raise UserError("no learning file to measure; name at least one")
-    return measure([*(_together(*item) for item in collected.items()), *foreign], worlds, window, threshold_factor)
+    runs = [*(_together(*item) for item in collected.items()), *foreign]
+    return measure(runs, worlds, window, threshold_factor, learning)
 
 
 def _subgoal_row(task: TaskView) -> SubgoalRow:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -104,6 +105,27 @@ def named_generator(*names: object) -> np.random.Generator:
 def mean(values: np.ndarray, how: Resampling, generator: np.random.Generator) -> Estimate:
     """Return the mean of the values (n,) with its bootstrap interval."""
     return _bootstrap(_mean, (values,), how, generator)
+
+
+def mean_intervals(
+    samples: np.ndarray, how: Resampling, generator: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the ends of the bootstrap interval of the mean of each sample, two arrays (m,).
+
+    Parameters
+    ----------
+    samples : array (m, n)
+        Samples of n values. One draw of resamples serves all of them.
+    """
+    with _undefined_intervals():
+        result = stats.bootstrap(
+            (samples,), _mean, axis=1, confidence_level=how.confidence, n_resamples=how.resamples, rng=generator,
+            batch=max(1, VALUES_AT_ONCE // samples.size),
+        )  # fmt: skip
+    means = np.quantile(result.bootstrap_distribution, [(1 - how.confidence) / 2, (1 + how.confidence) / 2], axis=1)
+    ends = zip(result.confidence_interval, means, strict=True)
+    low, high = (np.where(np.isfinite(own), own, percentile) for own, percentile in ends)
+    return low, high
 
 
 def mean_of_fewer(values: np.ndarray, runs: int, how: Resampling) -> Estimate:
@@ -284,10 +306,7 @@ def _bootstrap(
     # Two samples draw from the stream in turn, batch by batch; one draws the same numbers for any batches.
     batch = max(1, VALUES_AT_ONCE // smallest) if paired or len(samples) == 1 else None
     options = {"confidence_level": how.confidence, "paired": paired, "vectorized": True, "batch": batch}
-    with warnings.catch_warnings():
-        # scipy warns where BCa is undefined and gives NaN, which is handled here
-        warnings.simplefilter("ignore", stats.DegenerateDataWarning)
-        warnings.filterwarnings("ignore", "invalid value encountered", RuntimeWarning)
+    with _undefined_intervals():
         result = stats.bootstrap(samples, statistic, n_resamples=how.resamples, method=method, rng=generator, **options)
         low, high = result.confidence_interval
         if not (np.isfinite(low) and np.isfinite(high)):
@@ -296,6 +315,15 @@ def _bootstrap(
             )
             low, high = result.confidence_interval
     return Estimate(value, float(low), float(high))
+
+
+@contextmanager
+def _undefined_intervals() -> Iterator[None]:
+    """Silence scipy where BCa is undefined and gives NaN, for a block that handles NaN."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", stats.DegenerateDataWarning)
+        warnings.filterwarnings("ignore", "invalid value encountered", RuntimeWarning)
+        yield
 
 
 # -- all estimates of a run ----------------------------------------------------------------------------------
@@ -405,7 +433,8 @@ def _ratio_of_means(
     if paired is None:
         return {"n": 0}
     own, base = (frame[measure.saves].to_numpy(dtype=float) for frame in (part, paired))
-    ratio = ratio_of_means(measure.factor * (base - own), base, how, named_generator(*names, measure.name))
+    saved = part[measure.difference].to_numpy(dtype=float) if measure.difference else base - own
+    ratio = ratio_of_means(measure.factor * saved, own + saved, how, named_generator(*names, measure.name))
     return {"mean": ratio.value, "ci_low": ratio.low, "ci_high": ratio.high, "n": len(part)}
 
 

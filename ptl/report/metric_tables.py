@@ -229,8 +229,9 @@ def _numbers(column: MetricColumn, row: Mapping[str, Any], best: bool) -> dict[s
 def _kind_notes(kind: str, measures: Any) -> list[str]:
     if kind == "transfer":
         return [
-            "Jump start: first-episode steps of the base minus those of the method; positive is good. Its percentage is"
-            " a ratio of means; its P compares the first episodes.",
+            "Jump start: first-episode steps of the base minus those of the method; positive is good. Those of the base"
+            " are the exact expectation of a uniform random walk, unless ties of greedy actions are not random. The"
+            " percentage is a ratio of means; P compares the first episodes of the runs.",
             f"Asymptotic performance: mean steps of the last {measures.window} episodes.",
             f"Time to threshold: first episode at which the mean of the last {measures.window} is at most"
             f" {number(measures.threshold_factor)} times the shortest path. Its mean covers the seeds that reached it,"
@@ -256,8 +257,7 @@ def _control_notes(metrics: pd.DataFrame, environment: str, statistics: Any) -> 
         f"Task {first[own.index[own][0]]} is a negative control: nothing is transferred yet, so every first episode has"
         f" the same distribution. {missed[own].sum()} of the {own.sum()} intervals of its jump starts exclude 0, and"
         f" {missed.sum()} of {len(jumps)} in all environments; {percent(1 - statistics.confidence)} would be expected."
-        " All methods are compared with the same runs of the base, so the intervals miss together; and those of"
-        " heavy-tailed values from few seeds are too narrow."
+        " Intervals of heavy-tailed values from few seeds are too narrow."
     )
 
 

@@ -31,7 +31,7 @@ def result(published: Path) -> str:
     run: Configuration = completed(read_yaml(published.parents[1] / CONFIG))
     worlds = {name: load_map(published.parents[1] / entry.map) for name, entry in run.environments.items()}
     per_seed = read_per_seed(published / "tables/per_seed.csv")
-    evidence = Evidence(per_seed=per_seed, worlds=worlds, exact=True, **settings_of(run))
+    evidence = Evidence(per_seed=per_seed, worlds=worlds, **settings_of(run))
     tasks = {name: entry.tasks for name, entry in run.environments.items()}
     steps = relative_steps.relative_steps(per_seed, tasks, evidence.how)
     totals = {(row["environment"], row["tasks"], row["method"]): row for row in steps.to_dict("records")}

@@ -12,6 +12,7 @@ from made_up_run import GROUPS, MadeUpRun
 from projects import MAPS
 
 from ptl import claims
+from ptl.claims.comparisons import own_and_base
 from ptl.claims.decision import confidence_at, decision_jobs, evidence_of, goes_on, open_pairs
 from ptl.claims.verdict import Outcome
 from ptl.config import Configuration, Parameters
@@ -102,7 +103,8 @@ def test_decision_compares_first_episodes_with_their_expectation(decided: list[s
     first = evidence.values("env2", "B", "ptl", "first_episode")
     assert len(first) == 14
     np.testing.assert_allclose(evidence.values("env2", "B", "ptl", "jump_start"), expected - first)
-    assert set(evidence.values("env2", "B", "no_transfer", "first_episode")) == {expected}
+    assert not evidence.values("env2", "B", "no_transfer", "jump_start").any()
+    assert set(own_and_base(evidence, "env2", "B", "ptl", "first_episode")[1].round(6)) == {round(expected, 6)}
     assert evidence.needed("growth").shape == (14, 9)
     assert evidence.needed("subgoals").groupby("method").size().to_dict() == {"ptl": 2 * 14}
 
@@ -224,12 +226,3 @@ def test_lives_that_decide_are_others_than_those_of_the_tables(decided: list[sto
     assert not np.array_equal(tables["steps"], decided[0].arrays["steps"][:3])
     fewer = msgspec.structs.replace(job, seeds=3).run(WORLDS)
     np.testing.assert_array_equal(fewer["steps"], decided[0].arrays["steps"][:3])
-
-
-def test_a_made_up_run_is_judged_alike_with_exact_first_episodes_of_its_own() -> None:
-    """Only the first episode of the base is replaced, and only if ``exact`` is set."""
-    evidence = MadeUpRun().evidence()
-    before = {judged.claim.id: judged.verdict for judged in claims.judge(evidence)}
-    after = {judged.claim.id: judged.verdict for judged in claims.judge(replace(evidence, exact=True))}
-    untouched = [name for name in before if name not in ("E1-all", "E1-jump", "E2-all", "E3-jump")]
-    assert {name: before[name] for name in untouched} == {name: after[name] for name in untouched}

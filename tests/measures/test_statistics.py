@@ -12,6 +12,7 @@ from scipy import stats
 
 from ptl.errors import UserError
 from ptl.measures import statistics
+from ptl.measures.coverage import coverage
 from ptl.measures.run_files import read_per_seed
 from ptl.measures.statistics import Resampling, named_generator, summarise
 
@@ -360,3 +361,24 @@ def test_without_resamples_an_interval_is_its_estimate() -> None:
     values = np.arange(5.0)
     assert statistics.mean(values, Resampling(0.95, 0), np.random.default_rng(1)) == statistics.Estimate(2, 2, 2)
     assert statistics.share(1, 4, Resampling(0.95, 0)) == statistics.Estimate(0.25, 0.25, 0.25)
+
+
+def test_intervals_of_many_samples_are_those_of_each():
+    samples = np.random.default_rng(3).lognormal(size=(7, 12))
+    how = Resampling(0.9, 200)
+    low, high = statistics.mean_intervals(samples, how, np.random.default_rng(5))
+    for sample, *ends in zip(samples, low, high, strict=True):
+        own = statistics.mean(sample, how, np.random.default_rng(5))
+        np.testing.assert_allclose([own.low, own.high], ends)
+    low, high = statistics.mean_intervals(np.full((2, 12), 4.0), how, np.random.default_rng(5))
+    assert {*low, *high} == {4.0}
+
+
+def test_coverage_is_near_its_level_for_normal_values_and_falls_with_rare_large_ones():
+    random = np.random.default_rng(1)
+    usual = random.normal(20, 1, 2000)
+    rare = np.where(random.random(2000) < 0.01, 5000.0, usual)
+    assert coverage(usual, 30, 0.95, random) == pytest.approx(0.94, abs=0.03)
+    # a sample of 30 has none of the rare values with probability 0.99^30
+    share = np.mean(rare == 5000.0)
+    assert coverage(rare, 30, 0.95, random) <= 1 - (1 - share) ** 30 + 0.07

@@ -36,7 +36,7 @@ checkpoint look:
     conda:
         "../envs/ptl.yaml"
     params:
-        groups=groups("measures", "statistics", "growth", "decision"),
+        groups=groups("learning", "measures", "statistics", "growth", "decision"),
         jobs=packed(DECISION.values()),
         code=code_digest("ptl.claims.decision", "ptl.claims"),
     message:
@@ -71,7 +71,7 @@ rule judge_claims:
     conda:
         "../envs/ptl.yaml"
     params:
-        groups=groups("measures", "statistics", "growth", "decision"),
+        groups=groups("learning", "measures", "statistics", "growth", "decision"),
         jobs=packed([*SURVEYS.values(), *DECISION.values()]),
         maps=map_digests(),
         environments=entries(),
@@ -83,6 +83,35 @@ rule judge_claims:
         "Judging the claims of the article"
     script:
         "../scripts/judge_claims.py"
+
+
+rule cover:
+    input:
+        decision=lambda wildcards: decided(LAST_LOOK),
+    output:
+        csv="<reports>/tables/coverage.csv",
+        md="<reports>/tables/coverage.md",
+        html=report(
+            "<reports>/tables/coverage.html",
+            caption="../report/coverage.rst",
+            category=section("Verdicts"),
+            labels={"item": "Coverage of the intervals of the tables"},
+        ),
+    log:
+        "<logs>/cover.log",
+    conda:
+        "../envs/ptl.yaml"
+    params:
+        groups=groups("learning", "measures", "statistics", "growth"),
+        jobs=packed(DECISION.values()),
+        environments=entries(),
+        looks=looks(),
+        seeds=config["seeds"],
+        code=code_digest("ptl.claims.decision", "ptl.report.coverage"),
+    message:
+        "Checking the level of the tables' intervals"
+    script:
+        "../scripts/cover.py"
 
 
 rule explain_differences:
@@ -117,3 +146,4 @@ rule claims:
     input:
         rules.judge_claims.output,
         rules.explain_differences.output,
+        rules.cover.output if DECISION else [],

@@ -18,7 +18,7 @@ with running(snakemake) as script:
         for (environment, task), runs in read_foreign(entry.file, method, expected).items()
     ]
     results = script.results(script.input.learning)
-    measured = measure_files(results, measures.window, measures.threshold_factor, foreign)
+    measured = measure_files(results, measures.window, measures.threshold_factor, foreign, script.groups.learning)
     write_csv(measured.per_seed, script.output.per_seed)
     write_csv(measured.subgoals, script.output.subgoals)
     write_steps(script.output.steps, measured.steps)
