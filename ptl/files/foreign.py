@@ -1,10 +1,10 @@
 """Results of other programs: a table of steps per episode, checked as a whole before anything is learned.
 
-The table is CSV with one row an episode and the columns `COLUMNS`, in any order; ``truncated`` (0 or 1) may be left out
-if every episode reached its goal. A truncated episode has the run's maximum number of steps: with fewer it would count
-as one that reached its goal. A method has every task of each environment that it names, and of each task exactly the
-episodes (1, 2, ...) of the run and as many seeds. Seeds may have any names; those that are not 0, 1, ... are numbered
-in the natural order of their names.
+The table is CSV, separated by commas, semicolons or tabs, with one row an episode and the columns `COLUMNS`, in any
+order; ``truncated`` (0 or 1) may be left out if every episode reached its goal. A truncated episode has the run's
+maximum number of steps: with fewer it would count as one that reached its goal. A method has every task of each
+environment that it names, and of each task exactly the episodes (1, 2, ...) of the run and as many seeds. Seeds may have
+any names; those that are not 0, 1, ... are numbered in the natural order of their names.
 """
 
 from __future__ import annotations
@@ -171,6 +171,12 @@ def whole_number(cell: str) -> str:
     return match[1] if match else ""
 
 
+def separator(text: str) -> str:
+    """Return what separates the cells of a table: a comma, or the semicolon or tab of its header."""
+    header = text.partition("\n")[0]
+    return max(",;\t", key=header.count)
+
+
 def _read(path: Path) -> pd.DataFrame:
     """Return the cells of a table as texts, indexed by line number; ``truncated`` is 0 if it is left out.
 
@@ -179,10 +185,10 @@ def _read(path: Path) -> pd.DataFrame:
     import pandas as pd  # slow to import, and most configurations name no such table
 
     try:
-        content = io.BytesIO(read_bytes(path, MAX_BYTES))
+        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
         # the header as a row, so that longer rows are refused; shorter ones are filled with empty cells
         options = {"header": None, "dtype": str, "na_filter": False, "skip_blank_lines": False}
-        table = pd.read_csv(content, encoding="utf-8-sig", **options)
+        table = pd.read_csv(io.StringIO(text), sep=separator(text), **options)
     except NotReadable as error:
         raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV table") from error
     except ValueError as error:  # pandas' own errors and those of UTF-8 are ValueErrors

@@ -17,7 +17,16 @@ import numpy as np
 import pandas as pd
 
 from ptl.errors import UserError
-from ptl.files.foreign import COLUMNS, MAX_BYTES, OPTIONAL, as_text, natural, numbers_of_seeds, whole_number
+from ptl.files.foreign import (
+    COLUMNS,
+    MAX_BYTES,
+    OPTIONAL,
+    as_text,
+    natural,
+    numbers_of_seeds,
+    separator,
+    whole_number,
+)
 from ptl.files.regular import NotReadable, read_bytes
 from ptl.keys import shortened
 
@@ -159,11 +168,8 @@ def _read(path: Path, columns: Mapping[str, str]) -> tuple[pd.DataFrame, list[st
 
 def _table(text: str, path: Path) -> pd.DataFrame:
     """Return the cells of a table as texts; a column without a name, such as pandas' index, is left out."""
-    header = text.partition("\n")[0]
     try:
-        frame = pd.read_csv(
-            io.StringIO(text), sep=max(",;\t", key=header.count), dtype=str, na_filter=False, index_col=False
-        )
+        frame = pd.read_csv(io.StringIO(text), sep=separator(text), dtype=str, na_filter=False, index_col=False)
     except ValueError as error:  # pandas' own errors are ValueErrors
         raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
     frame = frame.rename(columns=str.strip)

@@ -78,6 +78,13 @@ def test_seeds_may_have_any_names(tmp_path, names, numbers):
     assert seeds_of(write(path, rows()), "walker", SEEDS) == {}
 
 
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_tables_of_spreadsheets_may_have_other_separators(tmp_path, separator):
+    path = write(tmp_path / "t.csv", rows())
+    path.write_text("\ufeff" + path.read_text().replace(",", separator), encoding="utf-8")
+    assert read_foreign(path, "walker", EXPECTED)["rooms", "B"].steps.tolist() == [[121, 122, 123], [131, 132, 133]]
+
+
 def test_truncated_episodes_are_counted(tmp_path):
     table = [{**row, "truncated": int(row["seed"] == 1 and row["episode"] < 3)} for row in rows()]
     table = [{**row, "steps": 1000} if row["truncated"] else row for row in table]
