@@ -201,7 +201,10 @@ SWITCHES = {key.name.rpartition(".")[2] for key in keys_of(Configuration) if boo
 
 
 def _check_scalar(node: yaml.ScalarNode, path: str, key: str) -> None:
-    """Refuse a value that YAML 1.1 takes for what few expect: octal, base 60, a date, or a word for true or false."""
+    """Refuse a value that YAML 1.1 takes for what few expect.
+
+    These are octal numbers, numbers in base 60 or with underscores, dates, and words for true or false.
+    """
     text, kind = node.value, node.tag.rpartition(":")[2]
     as_text = f"'{text}' for the text"
     octal = re.fullmatch("([-+]?)0([0-9_]+)", text)
@@ -211,6 +214,8 @@ def _check_scalar(node: yaml.ScalarNode, path: str, key: str) -> None:
     elif kind == "int" and octal:
         decimal = int(octal[1] + octal[2].replace("_", "") or "0")
         remark = f"{yaml.safe_load(text)}, an octal number; write {decimal}, or {as_text}"
+    elif kind in ("int", "float") and "_" in text:
+        remark = f"{yaml.safe_load(text)}, without the underscores; write {text.replace('_', '')}, or {as_text}"
     elif kind == "timestamp":
         remark = f"a date; write {as_text}"
     elif kind == "bool" and text.lower() not in ("true", "false") and key.rpartition(".")[2] not in SWITCHES:

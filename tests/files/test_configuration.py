@@ -209,6 +209,8 @@ def test_any_value_at_any_key_passes_or_is_refused_in_one_line(path, value):
             "learning:\n  episodes: 0100\n",
             "line 2: key learning.episodes: 0100 is read as 64, an octal number; write 100",
         ),
+        ("seeds: 1_00\n", "line 1: key seeds: 1_00 is read as 100, without the underscores; write 100, or '1_00'"),
+        ("a: 1_0.5\n", "1_0.5 is read as 10.5, without the underscores; write 10.5"),
         ("a: [7, -0_17]\n", "key a: -0_17 is read as -15, an octal number; write -17"),
         ("a: !!int '010'\n", "key a: 010 is read as 8, an octal number; write 10"),
         ("learning: {episodes: 1:30}\n", "key learning.episodes: 1:30 is read as 90, a number in base 60; write 90"),
@@ -246,7 +248,7 @@ def test_text_of_a_configuration_file(tmp_path, text, says):
 def test_values_that_are_read_as_they_are_written_pass(tmp_path):
     path = tmp_path / "config.yaml"
     path.write_text(
-        "\ufeffa: 0\r\nb: 0.05\r\nc: 'NO'\r\nd: '010'\r\ne: true\r\nskills: {null_skill: off}\r\nf: 1_000\r\n"
+        "\ufeffa: 0\r\nb: 0.05\r\nc: 'NO'\r\nd: '010'\r\ne: true\r\nskills: {null_skill: off}\r\nf: 1000\r\n"
     )
     read = {"a": 0, "b": 0.05, "c": "NO", "d": "010", "e": True, "skills": {"null_skill": False}, "f": 1000}
     assert read_yaml(path) == read
