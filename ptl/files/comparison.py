@@ -8,10 +8,12 @@ and all other products are compared by their bytes; those that differ are named 
 from __future__ import annotations
 
 import csv
+import gzip
 import io
 import os
 import re
 import subprocess
+import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal
@@ -178,7 +180,7 @@ def compare(folder: Path, other: Reference) -> Comparison:
 
 def _outcome(path: Path, digest: str, name: str, other: Reference) -> tuple[str, str]:
     """Return how a product compares, and the first difference of a table."""
-    table = name.endswith(".csv")
+    table = name.endswith((".csv", ".csv.gz"))
     try:
         if sha256(path) == digest:
             return "equal" if table else "pages", ""
@@ -187,8 +189,19 @@ def _outcome(path: Path, digest: str, name: str, other: Reference) -> tuple[str,
             return "missing", ""
     if not table:
         return "bytes", ""
-    place = first_difference(_content(path), other.read(name))
+    ours, theirs = _content(path), other.read(name)
+    if name.endswith(".gz"):  # its bytes depend on the version of zlib
+        ours, theirs = _unpacked(ours), _unpacked(theirs)
+    place = first_difference(ours, theirs)
     return ("different", f" ({place})") if place else ("close", "")
+
+
+def _unpacked(content: bytes | None) -> bytes | None:
+    """Return the content of a compressed file, None if it cannot be read."""
+    try:
+        return None if content is None else gzip.decompress(content)
+    except (EOFError, gzip.BadGzipFile, zlib.error):
+        return None
 
 
 def first_difference(ours: bytes | None, theirs: bytes | None) -> str:

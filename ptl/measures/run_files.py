@@ -105,6 +105,21 @@ def read_steps(path: str | Path) -> dict[Names, np.ndarray]:
     }
 
 
+def episode_table(measured: Measurements) -> pd.DataFrame:
+    """Return the steps per episode as a table.
+
+    Returns
+    -------
+    DataFrame
+        Columns environment, task, method and seed, then a column of steps for each episode, counted from 1. Rows are
+        those of ``per_seed``.
+    """
+    names = measured.per_seed[["environment", "task", "method", "seed"]]
+    in_order = names[["environment", "method", "task"]].drop_duplicates()
+    steps = np.concatenate([measured.steps[key] for key in in_order.itertuples(index=False, name=None)])
+    return names.join(pd.DataFrame(steps, columns=range(1, steps.shape[1] + 1)))
+
+
 # -- tables -------------------------------------------------------------------------------------------------------
 
 GROWTH_COLUMNS = ("run", "tasks", "library_size")

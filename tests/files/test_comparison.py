@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import shutil
 import subprocess
 from pathlib import Path
@@ -46,6 +47,17 @@ def mine(tmp_path: Path) -> Path:
 @pytest.fixture
 def theirs(tmp_path: Path) -> Path:
     return make(tmp_path / "there/reports/published")
+
+
+def test_compressed_tables_are_compared_by_what_they_contain(mine, theirs):
+    for folder, level in ((mine, 1), (theirs, 9)):  # as if by other versions of zlib
+        (folder / "b.csv.gz").write_bytes(gzip.compress(TABLE.encode() * 9, level, mtime=0))
+        seal(folder)
+    assert compare(mine, reference(str(theirs), mine)).lines[1].startswith("  tables: 2 equal, 1 within")
+    for content in (gzip.compress(TABLE.replace("8600", "8601").encode()), b"no gzip"):
+        (mine / "b.csv.gz").write_bytes(content)
+        seal(mine)
+        assert not compare(mine, reference(str(theirs), mine)).agrees
 
 
 def test_equal_runs_agree(mine, theirs):

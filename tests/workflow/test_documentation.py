@@ -22,13 +22,14 @@ import ptl
 from ptl import methods
 from ptl.cli import commands
 from ptl.config import Parameters
+from ptl.measures.run_files import read_steps
 from ptl.report import ledger
 from ptl.report.readme import filled
 from ptl.world.map_files import load_map
 
 PAGES = [
     path.relative_to(ROOT).as_posix()
-    for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), ROOT / "config/README.md")
+    for path in (*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), ROOT / "config/README.md", ROOT / "reports/README.md")
 ]
 
 RULES = [ROOT / "workflow/Snakefile", *(ROOT / "workflow/rules").glob("*.smk")]
@@ -204,6 +205,20 @@ def test_examples_of_the_format_page_run(
     assert "env2 ptl 0" in printed and f"{load_map(MAPS / 'env2.txt').n_states} states" in printed
     assert set(names["curves"]) == {"no_transfer", "policy_reuse", "ptl"}
     assert names["lives"].groupby(["seed", "task"]).size().tolist() == [12] * 12
+
+
+def test_curves_are_redrawn_from_the_table_of_episodes(small_run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(small_run)
+    [code] = blocks("reports/README.md", "python")
+    assert len(code.splitlines()) == 5
+    names: dict = {}
+    exec(compile(code, "reports/README.md", "exec"), names)
+    drawn = dict(zip(names["curves"].index.unique("method"), names["axes"].lines, strict=True))
+    steps = read_steps("results/published/steps.h5")
+    assert {*drawn} == {"no_transfer", "policy_reuse", "ptl"}
+    for method, line in drawn.items():
+        assert line.get_ydata() == pytest.approx(steps["env2", method, "F"].mean(axis=0))
+    assert (small_run / "curves_env2.png").stat().st_size > 0
 
 
 @pytest.mark.parametrize("name", ["per_seed.csv", "metrics.csv", "subgoals.csv", "growth.csv"])

@@ -8,6 +8,7 @@ rule measure:
     output:
         per_seed="<reports>/tables/per_seed.csv",
         subgoals="<reports>/tables/subgoals.csv",
+        episodes="<reports>/tables/episodes.csv.gz",
         steps="<results>/steps.h5",
     log:
         "<logs>/measure.log",

@@ -46,6 +46,7 @@ rule tables:
     input:
         rules.measure.output.per_seed,
         rules.measure.output.subgoals,
+        rules.measure.output.episodes,
         rules.tabulate.output,
         rules.collect_growth.output if GROWTH else [],
         rules.library_cost.output,

@@ -6,7 +6,7 @@ from ptl.files.configuration import expected_of
 from ptl.files.csv import write_csv
 from ptl.files.foreign import read_foreign
 from ptl.measures.measures import Runs
-from ptl.measures.run_files import measure_files, write_steps
+from ptl.measures.run_files import episode_table, measure_files, write_steps
 from ptl.report.script import running
 
 with running(snakemake) as script:
@@ -21,4 +21,5 @@ with running(snakemake) as script:
     measured = measure_files(results, measures.window, measures.threshold_factor, foreign, script.groups.learning)
     write_csv(measured.per_seed, script.output.per_seed)
     write_csv(measured.subgoals, script.output.subgoals)
+    write_csv(episode_table(measured), script.output.episodes)
     write_steps(script.output.steps, measured.steps)
