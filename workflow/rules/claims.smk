@@ -91,6 +91,7 @@ rule cover:
     output:
         csv="<reports>/tables/coverage.csv",
         md="<reports>/tables/coverage.md",
+        tex="<reports>/tables/coverage.tex",
         html=report(
             "<reports>/tables/coverage.html",
             caption="../report/coverage.rst",

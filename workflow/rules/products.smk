@@ -26,7 +26,7 @@ rule front_page:
             if not row.on_top
         },
         front=FIGURES["front"].caption if "front" in FIGURES else "",
-        tables=TABLES,
+        tables=TABLES | ({"coverage": "Coverage of the intervals"} if DECISION else {}),
         code=code_digest("ptl.report.front_page"),
     message:
         "Composing the front page of the report and {output.page}"

@@ -13,4 +13,4 @@ with running(snakemake) as script:
     evidence = evidence_of(script.results(script.input.decision), script.groups, confidence)
     coverage = coverage_table(evidence.per_seed, runs, confidence)
     page = coverage_page(coverage, runs, confidence, script.looks, script.titles)
-    table.write(page, Path(script.output.csv), coverage)
+    table.write(page, Path(script.output.csv), coverage, (".html", ".md", ".tex"))
