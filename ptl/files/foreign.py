@@ -3,8 +3,8 @@
 The table is CSV, separated by commas, semicolons or tabs, with one row an episode and the columns `COLUMNS`, in any
 order; ``truncated`` (0 or 1) may be left out if every episode reached its goal. A truncated episode has the run's
 maximum number of steps: with fewer it would count as one that reached its goal. A method has every task of each
-environment that it names, and of each task exactly the episodes (1, 2, ...) of the run and as many seeds. Seeds may have
-any names; those that are not 0, 1, ... are numbered in the natural order of their names.
+environment that it names, and of each task exactly the episodes (1, 2, ...) of the run and as many seeds. Seeds may
+have any names; those that are not 0, 1, ... are numbered in the natural order of their names.
 """
 
 from __future__ import annotations

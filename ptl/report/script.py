@@ -12,7 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, get_type_hints
 
-from ptl.config import Configuration, Environment, ForeignResults
+from ptl.config import Configuration, Environment, ForeignResults, Parameters
 from ptl.errors import UserError
 from ptl.files.job import Job
 from ptl.files.store import Result, read
@@ -107,6 +107,11 @@ class Script:
     @cached_property
     def _by_place(self) -> dict[str, Job]:
         return {job.place: job for job in self.jobs}
+
+    @property
+    def parameters(self) -> Parameters:
+        """Hyper-parameters, with defaults for groups that the rule does not pass on."""
+        return Parameters(**{name: own for name, own in vars(self.groups).items() if hasattr(Parameters, name)})
 
     @property
     def looks(self) -> dict[str, tuple[str, str]]:

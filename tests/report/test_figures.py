@@ -7,6 +7,7 @@ from importlib import import_module
 from itertools import combinations
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_args
 
 import matplotlib as mpl
 import numpy as np
@@ -18,7 +19,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from ptl import methods
 from ptl.agent.selection import prior
 from ptl.claims.degrees import CLASSES
-from ptl.config import Environment, Learning, Parameters, Statistics
+from ptl.config import Environment, Learning, Parameters, Skills, Statistics
 from ptl.errors import UserError
 from ptl.files import store
 from ptl.jobs.learn import skills_of, tasks_in
@@ -27,6 +28,7 @@ from ptl.measures.growth import Saturation, TwoSlopes, fit_saturation
 from ptl.measures.measures import PER_SEED_COLUMNS
 from ptl.measures.run_files import read_steps, write_steps
 from ptl.report.figures import cells, figures, front, item_label, left_out, saving, style
+from ptl.report.figures.algorithms import algorithms
 from ptl.report.figures.discovery import DOT, _diameter
 from ptl.report.figures.measures import trailing_mean
 from ptl.report.ledger import STYLES
@@ -102,7 +104,6 @@ def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 GROUPS = {
-    "skills": {"prior_form": "exponential", "prior_width": 0.1},
     "measures": {"window": 10, "threshold_factor": 1.5},
     "statistics": {"confidence": 0.95, "resamples": 500},
     "growth": {"breakpoint": 7},
@@ -110,6 +111,8 @@ GROUPS = {
 INPUTS = {
     "front": {"per_seed": "per_seed.csv", "claims": "claims.csv"},
     "front_narrow": {"per_seed": "per_seed.csv", "claims": "claims.csv"},
+    "clusters": {},
+    "algorithms": {},
     "maps": {},
     "prior": {},
     "misleading_prior": {"misleading_prior": [work.place for work in LIVES]},
@@ -133,6 +136,7 @@ def script(kind: str, folder: Path, entry: dict | None = None, files: dict | Non
 
     inputs = {name: placed(names) for name, names in INPUTS[kind].items()} | (files or {})
     groups = {name: SimpleNamespace(**(group | changes.get(name, {}))) for name, group in GROUPS.items()}
+    groups |= {name: getattr(Parameters(), name) for name in ("learning", "skills", "subgoals")}
     settings = {"map": str(folder / "small.txt"), "title": "Small", "tasks": "ABC", "discovery_tasks": "BC"}
     compared = ["no_transfer", "ptl"] if kind == "measures" else METHODS
     looks = {name: (methods.load(name).label, methods.load(name).colour) for name in compared}
@@ -222,6 +226,27 @@ def test_map_numbers(frames: dict[str, pd.DataFrame]) -> None:
     assert frame["shortest_path"].tolist() == [
         world.shortest_path_length(world.start, state) for state in frame["state"]
     ]
+
+
+def test_cluster_numbers(frames: dict[str, pd.DataFrame]) -> None:
+    frame = frames["clusters"].set_index("state")
+    assert frame.groupby("cluster").size().to_dict() == {0: 49, 1: 49}
+    assert frame["cluster"].isna().sum() == 1, "the door is in neither"
+    assert frame["metric"].between(0, 1).all()
+    door = frame[frame["cluster"].isna()].iloc[0]
+    near = frame[(frame["row"] == door["row"]) & ((frame["column"] - door["column"]).abs() <= 1)]
+    assert near["subgoals"].sum() > 20, "most lives find the door or a cell beside it"
+    assert near["metric"].min() > frame.drop(near.index)["metric"].quantile(0.9)
+
+
+def test_algorithms_have_the_constants_of_the_run() -> None:
+    settings = Parameters(alpha=0.25, prior_width=0.3, patience=3.0, novelty=0.31, cover_radius=4, trajectories=17)
+    constants = " ".join(algorithms(settings)["constants"])
+    for value in ("α = 0.25", "3 × number of states", "ρ = 0.31", "r = 4", "T = 17"):
+        assert value in constants
+    for use in get_args(get_args(Skills.__annotations__["skill_use"])[0]):
+        text = " ".join(algorithms(Parameters(skill_use=use))["text"])
+        assert ("initiation set" in text) == (use == "initiation_set")
 
 
 def test_prior_numbers(frames: dict[str, pd.DataFrame]) -> None:

@@ -87,4 +87,4 @@ def test_the_page_shows_claims_figures_and_tables_and_escapes_names():
 
 
 def test_front_page_says_that_the_settings_were_fitted():
-    assert "is a fit and no prediction" in page()
+    assert "a fit and no prediction" in page()

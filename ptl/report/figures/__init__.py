@@ -18,6 +18,8 @@ NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
 """Methods that the article's learning curves leave out; they would hide the others."""
 
 ARTICLE_NUMBERS = {
+    "clusters": "figure01",
+    "algorithms": "figure02",
     "prior": "figure03",
     "misleading_prior": "figure04",
     "frequencies": "figure08",
@@ -27,7 +29,7 @@ ARTICLE_NUMBERS = {
 }
 """Names of figures that do not belong to one environment, in a run on the article's maps."""
 
-ARTICLE_ONLY = {"misleading_prior"}
+ARTICLE_ONLY = {"clusters", "algorithms", "misleading_prior"}
 """Figures that are about the article, not about the environments of a run."""
 
 GREEDY = (
@@ -44,6 +46,10 @@ OUR_DRAWING = (
 
 ALWAYS_SHOWN = {"no_transfer", "ptl"}
 """Methods that some figures require."""
+
+
+CLUSTER_LIVES = 30
+"""Lives behind the figure of two clusters."""
 
 
 @dataclass(frozen=True)
@@ -140,6 +146,24 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
             }
             if any(later) and compared - {"no_transfer"}
             else {}
+        ),
+        "clusters": Figure(
+            "clusters",
+            "two clusters of states and the subgoal between them",
+            "Two rooms of our own. A dot is a state, a line a move between two; dots are the larger, the greater the"
+            " original FD metric (frequency times distance) after a task that leads from one room to the other, mean"
+            f" over {CLUSTER_LIVES} lives of PTL. The ring is where most of these lives end their skill. The article's"
+            " figure is lost.",
+            needs=(),
+            groups=("learning", "skills", "subgoals"),
+        ),
+        "algorithms": Figure(
+            "algorithms",
+            "the method as two algorithms",
+            "The method as this package runs it, with the constants of the run: how a task is learned with the library,"
+            " and how a skill is added after it. The article's algorithms are lost; words, numbers and order are ours.",
+            needs=(),
+            groups=("learning", "skills", "subgoals"),
         ),
         "prior": Figure(
             "prior",
