@@ -1,6 +1,6 @@
 """Compare the products of a run with those of another: the published one, or any other report folder.
 
-Numbers and verdicts decide. Tables (CSV) are compared cell by cell: they are equal within a tolerance (ours) if nothing
+Numbers and the classes of claims decide. Tables (CSV) are compared cell by cell: they are equal within a tolerance (ours) if nothing
 differs but the last printed digit of numbers that are not whole, because processors round differently. Drawings, pages
 and all other products are compared by their bytes; those that differ are named but not judged.
 """
@@ -127,7 +127,7 @@ def _reason(folder: Path) -> str:
 
 @dataclass(frozen=True)
 class Comparison:
-    """The outcome in a few lines, and whether all tables and verdicts agree and no product is missing."""
+    """The outcome in a few lines, and whether all tables and classes agree and no product is missing."""
 
     lines: list[str]
     agrees: bool
@@ -152,27 +152,27 @@ def compare(folder: Path, other: Reference) -> Comparison:
     for name, digest in theirs.products.items():
         outcome, place = _outcome(folder / name, digest, name, other)
         outcomes[outcome].append(name + place)
-    before, after = _verdicts(other.read("claims.csv")), _verdicts(_content(folder / "claims.csv"))
-    verdicts, claims = _changes(before, after), {*before, *after}
+    before, after = _classes(other.read("claims.csv")), _classes(_content(folder / "claims.csv"))
+    changed, claims = _changes(before, after), {*before, *after}
     number = {name: len(products) for name, products in outcomes.items()}
     lines = [
         f"{folder} compared with {other.name}:",
         f"  tables: {number['equal']} equal, {number['close']} within the tolerance, {number['different']} different",
         f"  drawings and pages: {number['pages']} equal, {number['bytes']} with different bytes (not judged)",
-        *[f"  verdicts: {len(claims) - len(verdicts)} of {len(claims)} equal"] * bool(claims),
+        *[f"  classes of claims: {len(claims) - len(changed)} of {len(claims)} equal"] * bool(claims),
     ]
     named = {
         "missing": outcomes["missing"],
         "different tables": outcomes["different"],
         "pages with different bytes": outcomes["bytes"],
-        "changed verdicts": verdicts,
+        "changed classes": changed,
         "changed settings": _changes(_flat(theirs.config), _flat(own.config)),
         "changed versions": _changes(theirs.versions, own.versions),
     }
     for title, names in named.items():
         more = f" and {len(names) - MAX_NAMED} more" if len(names) > MAX_NAMED else ""
         lines += [f"  {title}: {', '.join(names[:MAX_NAMED])}{more}"] * bool(names)
-    agrees = not (outcomes["different"] or outcomes["missing"] or verdicts)
+    agrees = not (outcomes["different"] or outcomes["missing"] or changed)
     if not agrees:
         lines.append(f"  where to look: 'git diff {folder}', and docs/reliability.md on what may differ")
     return Comparison(lines, agrees)
@@ -237,11 +237,12 @@ def _close(one: str, other: str) -> bool:
     return True
 
 
-def _verdicts(content: bytes | None) -> dict[str, str]:
-    """Return the verdict of each claim by its id, none if the table cannot be read."""
+def _classes(content: bytes | None) -> dict[str, str]:
+    """Return the class of each claim, and the readings under which it holds, by its id; none without a table."""
     header, *rows = _rows(content) or [[]]
     cells = [dict(zip(header, row, strict=False)) for row in rows]
-    return {row["id"]: row["verdict"] for row in cells if {"id", "verdict"} <= {*row}}
+    wanted = ("class", "holds_when")
+    return {row["id"]: ": ".join(filter(None, map(row.get, wanted))) for row in cells if {"id", *wanted} <= {*row}}
 
 
 def _changes(before: Mapping[str, Any], after: Mapping[str, Any]) -> list[str]:

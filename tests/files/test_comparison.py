@@ -1,4 +1,4 @@
-"""How a run compares with another one: tables, verdicts, and references that are refused."""
+"""How a run compares with another one: tables, classes, and references that are refused."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ptl.errors import UserError
 from ptl.files import manifest
 from ptl.files.comparison import KEPT, PUBLISHED, NothingToCompareError, compare, first_difference, reference
 
-CLAIMS = "id,verdict\nE1,reproduced\nE2,not reproduced\n"
+CLAIMS = "id,class,holds_when\nE1,in part,\nE2,under some readings,on task F\n"
 TABLE = "steps,mean,text\n8600,0.887123,90 [0.25]\n"
 
 
@@ -66,7 +66,7 @@ def test_equal_runs_agree(mine, theirs):
     assert found.lines[1:] == [
         "  tables: 2 equal, 0 within the tolerance, 0 different",
         "  drawings and pages: 1 equal, 0 with different bytes (not judged)",
-        "  verdicts: 2 of 2 equal",
+        "  classes of claims: 2 of 2 equal",
     ]
 
 
@@ -92,7 +92,7 @@ def test_only_the_last_digit_of_fractions_may_differ(ours, difference):
     assert first_difference(ours.encode("latin-1"), TABLE.encode()) == difference
 
 
-def test_numbers_and_verdicts_decide_and_drawings_do_not(mine, theirs):
+def test_numbers_and_classes_decide_and_drawings_do_not(mine, theirs):
     (mine / "a.svg").write_text("<svg/>")
     (mine / "a.csv").write_text(TABLE.replace("0.887123", "0.887122"))
     found = compare(mine, reference(str(theirs), mine))
@@ -104,21 +104,22 @@ def test_numbers_and_verdicts_decide_and_drawings_do_not(mine, theirs):
     assert not found.agrees and "different tables: a.csv (line 2, column 1: 8600, here 8601)" in str(found)
 
 
-def test_verdicts_settings_and_missing_products_are_named(mine, theirs):
-    (mine / "claims.csv").write_text(CLAIMS.replace("not reproduced", "partly \x1b[31m"))
+def test_classes_settings_and_missing_products_are_named(mine, theirs):
+    (mine / "claims.csv").write_text(CLAIMS.replace("on task F", "on \x1b[31m"))
     seal(mine, {"run": "tiny", "measures": {"window": 10}})
     (mine / "a.svg").unlink()
     found = compare(mine, reference(str(theirs), mine))
     assert not found.agrees
     text = str(found)
     assert "missing: a.svg" in text and "changed settings: measures.window (3, here 10)" in text
-    assert "verdicts: 1 of 2 equal" in text and r"changed verdicts: E2 (not reproduced, here partly \x1b[31m)" in text
+    assert "classes of claims: 1 of 2 equal" in text
+    assert r"changed classes: E2 (under some readings: on task F, here under some readings: on \x1b[31m)" in text
     assert "where to look: 'git diff" in text
 
 
-def test_claims_that_cannot_be_read_have_no_verdicts(mine, theirs):
+def test_claims_that_cannot_be_read_have_no_class(mine, theirs):
     (mine / "claims.csv").write_bytes(b"\xff")
-    assert "changed verdicts: E1 (reproduced, here -), E2" in str(compare(mine, reference(str(theirs), mine)))
+    assert "changed classes: E1 (in part, here -), E2" in str(compare(mine, reference(str(theirs), mine)))
 
 
 def test_a_reference_that_is_no_ordinary_file_is_never_waited_for(mine, theirs):
@@ -156,10 +157,10 @@ def test_products_that_were_checked_out_are_not_taken_for_a_rerun(checkout, text
 
 
 def test_a_rerun_is_compared_with_what_git_holds(checkout):
-    (checkout / "claims.csv").write_text(CLAIMS.replace("E1,reproduced", "E1,undecided"))
+    (checkout / "claims.csv").write_text(CLAIMS.replace("E1,in part", "E1,undecided"))
     seal(checkout)
     text = str(compare(checkout, reference(PUBLISHED, checkout)))
-    assert "compared with git HEAD (" in text and "changed verdicts: E1 (reproduced, here undecided)" in text
+    assert "compared with git HEAD (" in text and "changed classes: E1 (in part, here undecided)" in text
     with pytest.raises(UserError, match=r"git nowhere \(no commit\): has no manifest.json"):
         compare(checkout, reference("git:nowhere", checkout))
 
