@@ -14,13 +14,13 @@ from ptl.errors import UserError
 from ptl.text import number
 from ptl.world.gridworld import GridWorld
 
-START = 0.25
+START = 0.1
 """CPU seconds of a job besides learning."""
 
-LIFE = 0.02
+LIFE = 0.01
 """CPU seconds of a life besides its steps: subgoals and skills."""
 
-STEPS_A_SECOND = 1e8
+STEPS_A_SECOND = 2e8
 SEARCH = 20
 """Steps until a task is learned from nothing, in numbers of states times the length of the shortest path."""
 

@@ -196,7 +196,7 @@ def cost_of(jobs: Iterable[Block], worlds: Mapping[str, GridWorld]) -> Cost:
         number += 1
         for point in job.points:
             learning: Learning = parameters_of(point.changes, job.settings).learning
-            lives += sum(point.seeds.values()) * sum(map(len, job.tasks.values())) + point.growth_runs
+            lives += sum(point.seeds.values()) * len(job.tasks) + point.growth_runs
             for name, letters in job.tasks.items():
                 one = steps_of_life(worlds[name], letters, learning)
                 steps += sum(
