@@ -397,7 +397,14 @@ def test_a_reference_and_its_class_give_the_same_life():
         (GOOD.replace('colour = "#123456"', ""), "colour = None is not allowed; give #rrggbb"),
         (GOOD.replace("#123456", "red"), "colour = 'red' is not allowed; give #rrggbb"),
         (GOOD.replace("#123456", r"#123456\n"), "colour = .* is not allowed; give #rrggbb"),
-        (GOOD.replace("run_episode", "run_episodes"), "NotImplementedError"),
+        (
+            GOOD.replace("run_episode", "run_episodes"),
+            "defines neither run_episode nor plan, .*run_episodes is probably meant to be run_episode",
+        ),
+        (
+            GOOD + "\n    def __init__(self, world, parameters, random):\n        self.world = world\n",
+            r"have no attribute parameters; let its __init__ call super\(\).__init__\(world, parameters, random\)",
+        ),
         (GOOD.replace("return []", "return None"), "run_episode must return the list of the skills drawn .* not None"),
         (GOOD.replace("return []", "return ['a']"), r"run_episode must return the list .* not \['a'\]"),
         (GOOD.replace("explore()", "explore(1)"), "returned in episode 1 of task A before the goal"),
@@ -463,11 +470,20 @@ def test_a_file_that_ends_python_or_fails_without_a_text_is_refused(tmp_path, te
 
 
 @pytest.mark.parametrize("body", ["while True: pass", "raise SystemExit(0)"])
-def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypatch, body):
+def test_an_episode_that_never_ends_or_ends_python_is_refused(tmp_path, monkeypatch, capsys, body):
     (tmp_path / "mine.py").write_text(GOOD.replace("learner.explore()", body))
+    monkeypatch.setattr(trial, "SILENT_SECONDS", 0.1)
     monkeypatch.setattr(trial, "TRIAL_SECONDS", 0.2)
     with pytest.raises(UserError, match=r"mine\.py: (SystemExit|a life of two tasks .* has not ended)"):
         check_method(str(tmp_path / "mine.py"))
+    assert ("trying method" in capsys.readouterr().err) == body.startswith("while")
+
+
+def test_methods_of_one_colour_are_noted(tmp_path):
+    (tmp_path / "mine.py").write_text(GOOD.replace("#123456", methods.load("ptl").colour))
+    [note] = trial.colour_notes(["no_transfer", "ptl", str(tmp_path / "mine.py")])
+    assert note.startswith("Mine and PTL have the same colour, #")
+    assert trial.colour_notes(methods.names()) == []
 
 
 @pytest.mark.parametrize(
