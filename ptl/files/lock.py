@@ -22,6 +22,10 @@ PATIENCE = 600.0
 """Seconds to wait for the jobs of a killed run to end."""
 
 
+ENDING = 10.0
+"""Seconds to wait for a run that may have been told to end (Ctrl-C, SIGTERM)."""
+
+
 def begin_run(*folders: str | os.PathLike[str]) -> None:
     """Lock the current folder and remove unfinished files of killed jobs below ``folders``.
 
@@ -58,21 +62,23 @@ def hold_folder() -> None:
         file = os.open(LOCK, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise UserError(f"{LOCK}: cannot be written ({error.strerror}); make this folder writable") from error
-    deadline = time.monotonic() + PATIENCE
+    began = time.monotonic()
     told = False
     while (locked := _locked(file)) is not True:
         number, _, host = os.pread(file, 300, 0).decode().partition(" on ")
-        if _lives(number, host):
+        waited, lives = time.monotonic() - began, _lives(number, host)
+        if lives and (locked is None or waited > ENDING):
             remedy = f"if it has ended, remove {LOCK}" if locked is None else "wait for it or end it first"
             raise UserError(f"snakemake is running in this folder (process {number} on {host}); {remedy}")
         if locked is None:
             print("note: this file system has no locks; start one run at a time here", file=sys.stderr, flush=True)
             atexit.register(_forget, os.getpid())
             break
-        if time.monotonic() > deadline:
+        if waited > PATIENCE:
             raise UserError(f"jobs of a killed run (process {number}) are still at work; end them first")
         if not told:
-            print(f"waiting for jobs of a killed run (process {number}) to end", file=sys.stderr, flush=True)
+            whose = "another run here" if lives else "jobs of a killed run"
+            print(f"waiting for {whose} (process {number}) to end", file=sys.stderr, flush=True)
             told = True
         time.sleep(0.2)
     os.ftruncate(file, 0)

@@ -51,6 +51,18 @@ def test_a_second_run_is_refused_while_the_first_one_works(tmp_path: Path, name:
     third.communicate("\n", timeout=60)
 
 
+def test_a_run_that_is_ending_is_waited_for(tmp_path: Path) -> None:
+    folder = tmp_path / "study"
+    folder.mkdir()
+    first = hold(folder)
+    assert first.stdout.readline() == "held\n"
+    second = hold(folder)
+    assert second.stderr.readline() == f"waiting for another run here (process {first.pid}) to end\n"
+    first.communicate("\n", timeout=60)
+    assert second.stdout.readline() == "held\n"
+    second.communicate("\n", timeout=60)
+
+
 def test_a_killed_run_is_not_waited_for_without_locks(tmp_path: Path) -> None:
     folder = tmp_path / "study"
     folder.mkdir()
