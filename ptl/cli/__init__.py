@@ -107,6 +107,14 @@ def main() -> None:
         commands(prog_name="ptl")
     except UserError as error:
         sys.exit(f"error: {error}")
+    except MemoryError:
+        sys.exit("error: there is not enough memory; raise the limit (ulimit -v) or take a smaller map")
+    except OSError as error:
+        if error.filename is not None:
+            raise
+        if isinstance(error, FileNotFoundError):
+            sys.exit("error: the present folder has been removed; change to another one")
+        sys.exit(f"error: the output cannot be written ({error.strerror})")
     except UnicodeEncodeError:
         sys.exit(f"error: {printable(' '.join(sys.argv[1:]))}: is not UTF-8 text")
     finally:

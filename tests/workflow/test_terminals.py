@@ -40,3 +40,13 @@ def test_arguments_that_are_no_text_are_still_refused(tmp_path: Path) -> None:
         env=os.environ | {"PYTHONPATH": str(ROOT), "PYTHONIOENCODING": "utf-8"},
     )  # fmt: skip
     assert done.returncode == 1 and done.stderr.count(b"\n") == 1 and b"Traceback" not in done.stderr
+
+
+def test_output_that_cannot_be_written_and_a_folder_that_is_gone_are_one_line(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    for command, says in (
+        (f"{sys.executable} -m ptl --help > /dev/full", "the output cannot be written (No space left on device)"),
+        (f'rmdir "$PWD" && {sys.executable} -m ptl workflow -n', "the present folder has been removed"),
+    ):
+        done = subprocess.run(["bash", "-c", command], cwd=tmp_path, env=environment, capture_output=True, text=True)
+        assert done.returncode == 1 and done.stderr.startswith(f"error: {says}"), done.stderr
