@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from ptl import methods
-from ptl.config import Configuration, check_tasks
+from ptl.config import Configuration, Measures, check_tasks
 from ptl.errors import UserError
 from ptl.files.outside import local_sources
 from ptl.learning.trial import check_method
@@ -101,6 +101,8 @@ def new_study(
         config["seeds"] = seeds
     if episodes is not None:
         config["learning"] = {"episodes": episodes}
+        if episodes < Measures().window:
+            config["measures"] = {"window": episodes}
     if not growth:
         config["growth"] = {"runs": 0}
     elif seeds is not None:
@@ -113,6 +115,11 @@ def new_study(
     files: dict[Path, Path | str] = {Path("maps", f"{name}.txt"): world.text for name, world in worlds.items()}
     write_study(folder, config, files | method_files(references), SKELETON)
     return config
+
+
+def opening(page: str) -> str:
+    """Return the last line of a run, which names the page to open; empty if it has not been made."""
+    return f"Open {page} in a browser.\n" if Path(page).is_file() else ""
 
 
 def run_name(folder: Path) -> str:

@@ -58,6 +58,7 @@ def command(
     from ptl.config import MapOptions
     from ptl.deployment import new_study
     from ptl.errors import UserError
+    from ptl.learning.trial import colour_notes
     from ptl.measures.measures import BASE
     from ptl.report.config_page import tables
 
@@ -95,4 +96,8 @@ def command(
     click.echo(f"methods: {', '.join(config['methods'])}")
     if BASE not in config["methods"]:
         click.echo(f"note: without {BASE} there is no jump start and no transfer ratio; add it for comparisons")
-    click.echo(f"run it: cd {place} && snakemake -j2 && snakemake --report reports/{config['run']}/report.html")
+    for note in colour_notes(methods):
+        click.echo(f"note: {note}")
+    if episodes is not None and "measures" in config:
+        click.echo(f"note: measures.window is {config['measures']['window']}, because a task has no more episodes")
+    click.echo(f"run it: cd {place} && snakemake -j2; then open reports/{config['run']}/index.html")

@@ -17,6 +17,7 @@ from ptl.files.job import packed
 from ptl.files.provenance import check_build, code_digest
 from ptl.files.regular import below, refuse_other, sha256
 from ptl.jobs import planned
+from ptl.learning.trial import colour_notes
 from ptl.measures.cost import FLAG, check_cost, cost_of
 from ptl.report.figures import left_out
 from ptl.world.gridworld import map_digest
@@ -91,7 +92,8 @@ RESULTS, REPORTS = Path("results", config["run"]), Path("reports", config["run"]
 if workflow.is_main_process:
     aging.age_results(PLACE, [*JOBS.values()])
     print(f"a whole run takes about {COST}", file=sys.stderr)
-    for note in [note for read in READ.values() for note in read.notes]:
+    map_notes = [note for read in READ.values() for note in read.notes]
+    for note in [*map_notes, *colour_notes(config["methods"])]:
         print(f"note: {note}", file=sys.stderr)
     for name, entry in RUN.foreign_results.items():
         if numbers := seeds_of(entry.file, name, RUN.seeds):
