@@ -63,9 +63,15 @@ class Cost:
 
     def __str__(self) -> str:
         return (
-            f"{number(self.jobs)} learning jobs, {number(self.steps / 1e6)} million steps, {self.hours:.1f} CPU hours,"
+            f"{number(self.jobs)} learning jobs, {number(self.steps / 1e6)} million steps, {self.time},"
             f" {self.memory / 1e9:.1f} GB of memory"
         )
+
+    @property
+    def time(self) -> str:
+        """CPU time as readers see it: minutes up to two hours."""
+        minutes = max(round(60 * self.hours), 1)
+        return f"{number(minutes)} CPU minute{'s' * (minutes > 1)}" if minutes <= 120 else f"{self.hours:.1f} CPU hours"
 
 
 def cost_of(run: Configuration, worlds: Mapping[str, GridWorld]) -> Cost:

@@ -50,6 +50,11 @@ def test_jobs_of_a_study_cost_what_those_of_a_run_do(published):
     assert same.jobs == cost.jobs and same.hours == pytest.approx(cost.hours, rel=0.1)
 
 
+def test_short_times_are_minutes() -> None:
+    times = [Cost(1, 1.0, minutes / 60, 1.0).time for minutes in (0.1, 2.8, 119.6, 125)]
+    assert times == ["1 CPU minute", "3 CPU minutes", "120 CPU minutes", "2.1 CPU hours"]
+
+
 @pytest.mark.parametrize("key", ["seeds", "learning__episodes", "growth__runs"])
 def test_more_work_costs_more(published, key):
     group, _, name = key.rpartition("__")

@@ -91,7 +91,12 @@ RESULTS, REPORTS = Path("results", config["run"]), Path("reports", config["run"]
 
 if workflow.is_main_process:
     aging.age_results(PLACE, [*JOBS.values()])
-    print(f"a whole run takes about {COST}", file=sys.stderr)
+    uncounted = (
+        "" if len(BUILT_IN) == len(METHODS) else "; methods of your own may take more"
+    )
+    print(
+        f"a whole run takes about {COST}, without drawing{uncounted}", file=sys.stderr
+    )
     map_notes = [note for read in READ.values() for note in read.notes]
     for note in [*map_notes, *colour_notes(config["methods"])]:
         print(f"note: {note}", file=sys.stderr)

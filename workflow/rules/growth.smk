@@ -8,6 +8,7 @@ rule grow:
         "<results>/growth/run_{run}.h5",
     log:
         "<logs>/growth/run_{run}.log",
+    priority: 0 if ARTICLE else -1
     conda:
         "../envs/ptl.yaml"
     params:

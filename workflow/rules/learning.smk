@@ -8,7 +8,7 @@ rule learn:
         "<results>/learning/{environment}/{method}/seed_{seed}.h5",
     log:
         "<logs>/learning/{environment}/{method}/seed_{seed}.log",
-    # After the survey and before the small jobs, so that these fill the cores while the results are measured.
+    # Before the small jobs, so that these fill the cores while the results are measured.
     priority: 1
     conda:
         "../envs/ptl.yaml"

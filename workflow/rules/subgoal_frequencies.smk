@@ -8,8 +8,9 @@ rule survey_batch:
         temp("<results>/subgoal_frequencies/{environment}/batch_{batch}.h5"),
     log:
         "<logs>/subgoal_frequencies/{environment}/batch_{batch}.log",
-    # The longest jobs of the run go first, so that short ones fill the gap at the end.
-    priority: 2
+    # The longest jobs of the reproduction go first, so that short ones fill the gap at the end. In a study of one's own
+    # the learning curves come first.
+    priority: 2 if ARTICLE else -1
     conda:
         "../envs/ptl.yaml"
     params:
