@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import groupby
 from typing import Any
 
 import pandas as pd
@@ -22,6 +23,7 @@ def compose(
     seeds: int,
     titles: Mapping[str, str],
     labels: Mapping[str, str],
+    run: str,
 ) -> str:
     """Compose the page as reStructuredText.
 
@@ -37,8 +39,10 @@ def compose(
         Title of each environment.
     labels : mapping
         Name of each method as readers see it.
+    run : str
+        Name of the run, which is the title of a run that is not about the article.
     """
-    return render("front_page.rst", **_facts(claims, steps, seeds, titles, labels))
+    return render("front_page.rst", run=run, **_facts(claims, steps, seeds, titles, labels))
 
 
 def compose_page(
@@ -47,7 +51,8 @@ def compose_page(
     seeds: int,
     titles: Mapping[str, str],
     labels: Mapping[str, str],
-    figures: Mapping[str, tuple[str, str]],
+    run: str,
+    figures: Mapping[str, tuple[str, str, bool]],
     tables: Mapping[str, str],
     caption: str = "",
 ) -> str:
@@ -55,10 +60,10 @@ def compose_page(
 
     Parameters
     ----------
-    claims, steps, seeds, titles, labels
+    claims, steps, seeds, titles, labels, run
         See `compose`.
     figures : mapping
-        Title and caption of each figure, by the name of its files.
+        Title and caption of each figure, by the name of its files, and whether it is small; in the order of the page.
     tables : mapping
         Title of each table, by the name of its files.
     caption : str
@@ -68,9 +73,12 @@ def compose_page(
     rows.sort(key=lambda row: list(CLASSES).index(row["class"]))
     return render(
         "index.html",
-        title="Partial transfer learning" + (": a reproduction" if rows else " study"),
+        title="Partial transfer learning: a reproduction" if rows else run,
         claims=[{**row, "style": STYLES[row["class"]]} for row in rows],
-        figures=[(name, title, text) for name, (title, text) in figures.items()],
+        figures=[
+            (small, [(name, title, text) for name, (title, text, _) in part])
+            for small, part in groupby(figures.items(), key=lambda item: item[1][2])
+        ],
         tables=list(tables.items()),
         caption=caption,
         **_facts(claims, steps, seeds, titles, labels),

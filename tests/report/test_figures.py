@@ -27,7 +27,7 @@ from ptl.jobs.survey import Survey
 from ptl.measures.growth import Saturation, TwoSlopes, fit_saturation
 from ptl.measures.measures import PER_SEED_COLUMNS
 from ptl.measures.run_files import read_steps, write_steps
-from ptl.report.figures import cells, figures, front, item_label, left_out, saving, style
+from ptl.report.figures import cells, curves, figures, front, heading, item_label, left_out, on_page, saving, style
 from ptl.report.figures.algorithms import algorithms
 from ptl.report.figures.discovery import DOT, _diameter
 from ptl.report.figures.measures import trailing_mean
@@ -191,6 +191,10 @@ def test_every_module_of_the_registry_is_tested() -> None:
     }  # fmt: skip
     assert all(row.item for row in own.values())
     assert not any("article" in row.caption or "article" in row.shows for row in own.values())
+    # results come first on the page, then the maps
+    assert list(on_page(own))[:4] == ["curves", "measures", "discovery_small", "map_small"]
+    assert set(own) - set(on_page(own)) == {"front", "front_narrow"}
+    assert heading("library_cost", own["library_cost"]) == "Cost of a selection and size of a library"
 
 
 @pytest.mark.parametrize("kind", INPUTS)
@@ -324,6 +328,14 @@ def test_curve_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:
         assert (part["ci_low"] <= part["mean"] * 1.00001).all()
         assert (part["ci_high"] >= part["mean"] * 0.99999).all()
     assert set(frames["curves"]["method"]) == set(METHODS)
+
+
+def test_every_task_has_a_panel_with_its_curves(inputs: Path) -> None:
+    both = {("small", "ptl", task): np.full((SEEDS, 5), 100 * place) for place, task in enumerate("CA", start=1)}
+    frame = curves.curves(both, {"small": SMALL}, {"small": "CA"}, METHODS, Statistics(resamples=100))
+    figure = curves.draw(frame, {"small": "A room"}, {"ptl": ("PTL", "#0072b2")})
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["A room, task C", "A room, task A"]
+    assert [axes.lines[0].get_ydata().tolist() for axes in figure.axes] == [[100.0] * 5, [200.0] * 5]
 
 
 def test_measure_numbers(inputs: Path, frames: dict[str, pd.DataFrame]) -> None:

@@ -25,7 +25,14 @@ STEPS = pd.DataFrame(
     ]
 )  # fmt: skip
 LABELS = {"no_transfer": "No transfer", "ptl": "PTL", "full_transfer": "Full transfer"}
-ARGUMENTS = {"claims": CLAIMS, "steps": STEPS, "seeds": 30, "titles": {"env1": "Environment 1"}, "labels": LABELS}
+ARGUMENTS = {
+    "claims": CLAIMS,
+    "steps": STEPS,
+    "seeds": 30,
+    "titles": {"env1": "Environment 1"},
+    "labels": LABELS,
+    "run": "lab",
+}
 
 
 def page(**changes) -> str:
@@ -69,10 +76,16 @@ def test_front_page_of_another_study_is_silent_on_the_article():
 
 
 def test_the_page_shows_claims_figures_and_tables_and_escapes_names():
-    figures = {"figure12": ("Figure 12: steps", "Mean of <30> seeds.")}
+    figures = {"figure12": ("Figure 12: steps", "Mean of <30> seeds.", False)}
+    figures |= {f"map_{name}": (f"Map of {name}", "Ours.", True) for name in "ab"}
     arguments = ARGUMENTS | {"titles": {"env1": "A <b> room"}, "figures": figures, "caption": "All <tasks>."}
     html = compose_page(**arguments, tables={"table1": "Table 1. Jump start"})
-    assert '<img src="figures/figure12.png" alt="Figure 12: steps"' in html and "Mean of &lt;30&gt; seeds." in html
+    assert (
+        '<img src="figures/figure12.png" srcset="figures/figure12.png 2.8x" alt="Figure 12: steps"' in html
+        and "Mean of &lt;30&gt; seeds." in html
+    )
+    small = html.partition('<div class="small">')[2].partition("</div>")[0]
+    assert html.count("<figure id=") == 3 and small.count("<figure id=") == 2
     assert '<a href="tables/table1.html">Table 1. Jump start</a>' in html
     assert 'srcset="figures/front_narrow.png"' in html and "All &lt;tasks&gt;." in html
     assert "A &lt;b&gt; room, F (last task)" in html and "90% [80, 100]" in html
@@ -82,7 +95,7 @@ def test_the_page_shows_claims_figures_and_tables_and_escapes_names():
     assert all(CLASSES[name] in html for name in CLAIMS["class"])
     neutral = compose_page(**{**arguments, "claims": None}, tables={})
     body = neutral.partition("<body>")[2]
-    assert "article" not in body and "laim" not in body and "study</h1>" in body
+    assert "article" not in body and "laim" not in body and "<h1>lab</h1>" in body
     assert "front.png" not in compose_page(**{**arguments, "caption": ""}, tables={})
 
 

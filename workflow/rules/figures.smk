@@ -1,7 +1,7 @@
 # The figures: a row of ptl.report.figures.figures for each. One rule draws them all, as a PNG for reading, an SVG for
 # printing and a CSV of the numbers drawn.
 
-from ptl.report.figures import figures as figure_rows, item_label
+from ptl.report.figures import figures as figure_rows, heading, item_label, on_page
 
 FIGURES = figure_rows({**config, "methods": METHODS}, ARTICLE)
 

@@ -21,12 +21,12 @@ rule front_page:
         looks=looks(),
         foreign=FOREIGN,
         figures={
-            name: (f"{item_label(name, row)}: {row.shows}", row.caption)
-            for name, row in FIGURES.items()
-            if not row.on_top
+            name: (heading(name, row), row.caption, row.module == "maps")
+            for name, row in on_page(FIGURES).items()
         },
         front=FIGURES["front"].caption if "front" in FIGURES else "",
         tables=TABLES | ({"coverage": "Coverage of the intervals"} if DECISION else {}),
+        run=config["run"],
         code=code_digest("ptl.report.front_page"),
     message:
         "Composing the front page of the report and {output.page}"

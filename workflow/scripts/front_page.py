@@ -11,7 +11,7 @@ with running(snakemake) as script:
     claims = read_csv(script.input.claims, keep_default_na=False) if "claims" in inputs else None
     steps = read_csv(script.input.front).dropna(subset="ratio") if "front" in inputs else None
     seeds = int(read_csv(script.input.metrics)["seeds"].max())
-    shown = (claims, steps, seeds, script.titles, labels)
+    shown = (claims, steps, seeds, script.titles, labels, snakemake.params.run)
     given = snakemake.params
     write_text(script.output.text, compose(*shown))
     write_text(script.output.page, compose_page(*shown, given.figures, given.tables, given.front))

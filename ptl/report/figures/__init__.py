@@ -14,6 +14,9 @@ from typing import Any
 from ptl.measures.sample_size import note
 from ptl.text import percent
 
+ON_PAGE = ("curves", "measures", "discovery", "maps")
+"""Modules whose figures come first on the page, in this order; the others follow."""
+
 NO_CURVE = {"ptl_supervised", "ptl_unknown_goal"}
 """Methods that the article's learning curves leave out; they would hide the others."""
 
@@ -226,11 +229,10 @@ def figures(config: Mapping[str, Any], article: bool) -> dict[str, Figure]:
         },
         "curves": Figure(
             "curves",
-            "steps per episode on the last task",
-            f"Steps per episode on the last task of each environment: mean over {seeds} seeds{note(seeds, level)} and"
-            " median, log scale. A few long runs raise the mean, not the median. The dotted line is the shortest path."
-            + GREEDY
-            * ("policy_reuse" in curves),
+            f"steps per episode on {'the last task' if article else 'every task'}",
+            f"Steps per episode on {'the last' if article else 'every'} task of each environment: mean over"
+            f" {seeds} seeds{note(seeds, level)} and median, log scale. A few long runs raise the mean,"
+            " not the median. The dotted line is the shortest path." + GREEDY * ("policy_reuse" in curves),
             needs=("steps", "maps"),
             groups=("statistics",),
             environments=names,
@@ -292,6 +294,20 @@ def left_out(config: Mapping[str, Any], article: bool) -> dict[str, str]:
 def item_label(name: str, row: Figure) -> str:
     """Return the name of a figure for readers: ``figure09`` is Figure 9, others have the name in their row."""
     return f"Figure {int(name.removeprefix('figure'))}" if name.startswith("figure") else row.item
+
+
+def heading(name: str, row: Figure) -> str:
+    """Return the title of a figure on the page."""
+    numbered = name.startswith("figure")
+    return f"{item_label(name, row)}: {row.shows}" if numbered else f"{row.shows[0].upper()}{row.shows[1:]}"
+
+
+def on_page(rows: Mapping[str, Figure]) -> dict[str, Figure]:
+    """Return the figures of the page in its order: results first, then the maps, then what was assumed or counted."""
+    kept = {name: row for name, row in rows.items() if not row.on_top}
+    places = {module: place for place, module in enumerate(ON_PAGE)}
+    names = sorted(kept, key=lambda name: places.get(kept[name].module, len(ON_PAGE)))
+    return {name: kept[name] for name in names}
 
 
 def _item(environments: Mapping[str, Any], name: str, kind: str) -> str:

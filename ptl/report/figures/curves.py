@@ -1,9 +1,10 @@
-"""Figure 12: steps per episode of several methods, one panel per environment."""
+"""Figure 12: steps per episode of several methods, one panel per environment and task."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,12 +27,19 @@ MEDIAN: dict[str, Any] = {"linewidth": 1.3, "linestyle": (0, (3, 1.2))}
 """Line of the medians, which the few long runs of heavy tails do not move."""
 
 
+MAX_HEIGHT = 300.0
+"""Maximum height in inches of all panels; matplotlib draws no more than 2^16 pixels."""
+
+
 def make(script: Script) -> tuple[Figure, pd.DataFrame]:
-    """Draw the curves of the last task of each environment."""
+    """Draw the curves of the last task of each environment of the article, and of every task elsewhere."""
+    from ptl.config import of_article
     from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
 
     methods = [*script.methods, *script.foreign]
-    frame = curves(read_steps(script.input.steps), script.worlds, script.last_tasks, methods, script.groups.statistics)
+    every = {name: entry.tasks for name, entry in script.environments.items()}
+    tasks = script.last_tasks if of_article(script.environments) else every
+    frame = curves(read_steps(script.input.steps), script.worlds, tasks, methods, script.groups.statistics)
     return draw(frame, script.titles, script.looks), frame
 
 
@@ -50,7 +58,8 @@ def curves(
         See `ptl.measures.run_files.Steps`.
     worlds : mapping of environment name to GridWorld
         Panels come in this order.
-    tasks : mapping of environment name to goal letter
+    tasks : mapping of environment name to goal letters
+        The tasks to show of each environment.
     methods : sequence of method identifiers
     statistics : Statistics
         Confidence and resamples of the intervals.
@@ -63,9 +72,7 @@ def curves(
     """
     parts = []
     for environment, world in worlds.items():
-        task = tasks[environment]
-        shortest = world.shortest_path_length(world.start, world.goal(task))
-        for method in methods:
+        for task, method in product(tasks[environment], methods):
             if (environment, method, task) not in steps:  # another program need not have run everywhere
                 continue
             values = steps[environment, method, task]
@@ -74,24 +81,26 @@ def curves(
             part["median"] = np.median(values, axis=0)
             for place, (name, value) in enumerate((("environment", environment), ("task", task), ("method", method))):
                 part.insert(place, name, value)
+            shortest = world.shortest_path_length(world.start, world.goal(task))
             parts.append(part.assign(seeds=len(values), shortest_path=shortest, confidence=statistics.confidence))
     return pd.concat(parts, ignore_index=True)
 
 
 @style.styled
 def draw(frame: pd.DataFrame, titles: Mapping[str, str], looks: Mapping[str, tuple[str, str]]) -> Figure:
-    """Draw one panel per environment, log scale; ``titles`` and ``looks`` give the names, labels and colours."""
-    environments = list(dict.fromkeys(frame["environment"]))
-    columns = min(len(environments), 3)
-    rows = math.ceil(len(environments) / columns)
-    figure = style.new_figure(max(4.6 * columns, 9.5) if columns < 3 else style.SLIDE_WIDTH + 0.7, 0.9 + 5.2 * rows)
+    """Draw one panel per environment and task, log scale; ``titles`` and ``looks`` give names, labels and colours."""
+    shown = frame.groupby(["environment", "task"], sort=False)
+    columns = min(len(shown), 3)
+    rows = math.ceil(len(shown) / columns)
+    figure = style.new_figure(
+        max(4.6 * columns, 9.5) if columns < 3 else style.SLIDE_WIDTH + 0.7, 0.9 + min(5.2 * rows, MAX_HEIGHT)
+    )
     panels = figure.subplots(rows, columns, squeeze=False)
-    for axes in panels.flat[len(environments) :]:
+    for axes in panels.flat[len(shown) :]:
         axes.remove()
-    for axes, environment in zip(panels.flat, environments, strict=False):
-        part = frame[frame["environment"] == environment]
+    for axes, ((environment, task), part) in zip(panels.flat, shown, strict=False):
         _panel(axes, part, looks)
-        axes.set_title(f"{titles.get(environment, environment)}, task {part['task'].iloc[0]}")
+        axes.set_title(f"{titles.get(environment, environment)}, task {task}")
         axes.set_xlabel("episode")
     for axes in panels[:, 0]:
         axes.set_ylabel("steps per episode")
