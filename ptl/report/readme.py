@@ -22,6 +22,9 @@ from ptl.world.map_files import load_map
 CONFIG = Path("config/config.yaml")
 """Configuration of the published run in a checkout."""
 
+SECOND_STUDY, MODEL = "studies/beyond", "rmax_memory"
+"""Folder of the second study, and its learner with a kept model."""
+
 PAGES = {"report": "index.html", "explorer of single runs": "explorer.html", "claims": "claims.md"}
 """Pages of a checkout by title."""
 
@@ -123,7 +126,22 @@ def speed(published: Path) -> str:
     return "\n".join(lines)
 
 
-PARTS = {"result": result, "classes": classes, "speed": speed}
+def second_study(published: Path) -> str:
+    """Return what a learner with a model costs beside PTL in a sentence on one line; empty without the second study."""
+    if not (published.parents[1] / SECOND_STUDY).is_dir():
+        return ""
+    ratios = read_csv(published.parent / "beyond/ratios.csv")
+    own = ratios[(ratios["method"] == MODEL) & ~ratios["family"].str.match("env[0-9]")]["ratio"]
+    low, high = number(round(own.min(), 2)), number(round(own.max(), 2))
+    return (
+        f"**And beside other methods?** On the {len(own)} families of generated maps of the"
+        f" [second study]({SECOND_STUDY}/README.md), a learner that remembers every transition and plans with them (R-max"
+        f" with a kept model) takes {low} to {high} times as many steps as PTL. Where moves are certain and such a memory"
+        " is allowed, a skill library is not the best that can be done."
+    )
+
+
+PARTS = {"result": result, "second study": second_study, "classes": classes, "speed": speed}
 
 
 def filled(text: str, published: Path) -> str:
@@ -132,5 +150,7 @@ def filled(text: str, published: Path) -> str:
         begin, end = (f"<!-- published: {name}, {word} -->" for word in ("begin", "end"))
         before, mark, rest = text.partition(begin)
         if mark:
-            text = f"{before}{begin}\n\n{part(published)}\n\n{end}{rest.partition(end)[2]}"
+            made = part(published)
+            lines = ["", made, ""] if "\n" in made else [made] if made else []
+            text = "\n".join([before + begin, *lines, end + rest.partition(end)[2]])
     return text
