@@ -90,7 +90,7 @@ format: test-tools  ## Bring code and workflow into the style that lint checks.
 	.venv/bin/ruff format .
 	.venv/bin/snakefmt Snakefile workflow ptl/skeleton studies
 
-docs: build  ## Bring config/README.md, docs/file-format.md and README.md up to date with the code and the published run.
+docs: build  ## Bring pages and records (RO-Crate, ReScience, Croissant) up to date with the code and the published run.
 	.venv/bin/ptl docs
 
 build:  ## Install the package into .venv and compile its kernel.

@@ -23,7 +23,7 @@ def test_a_checkout_with_published_products_still_runs_every_job(tmp_path: Path)
         assert rule in jobs
 
 
-APART = ("manifest.json", "benchmark.*", "scaling.*")
+APART = ("manifest.json", "ro-crate-metadata.json", "benchmark.*", "scaling.*")
 """Tracked files that are not products of the main run, or contain checksums themselves."""
 
 
