@@ -17,8 +17,8 @@ PUBLISHED, STUDIES = Path("reports/published"), Path("studies")
 def command(schema: bool) -> None:
     """Bring config/README.md, docs/file-format.md, README.md, the pages of studies and the records up to date.
 
-    They follow the code and the published run. The records are ro-crate-metadata.json of the published run, metadata.yaml
-    for ReScience C, and those of studies.
+    They follow the code and the published run. The records are ro-crate-metadata.json of the published run,
+    metadata.yaml for ReScience C, and those of studies.
     """
     from ptl.files.atomic import write_text
     from ptl.jobs.kinds import modules_of_studies, register_studies

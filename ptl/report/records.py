@@ -1,8 +1,8 @@
 """Records of the published run for catalogues and journals: RO-Crate, Croissant and the metadata of ReScience C.
 
-All are made from ``CITATION.cff``, a manifest and the files themselves by ``ptl docs``. The formats are those of RO-Crate
-1.1 (https://w3id.org/ro/crate/1.1), Croissant 1.0 (http://mlcommons.org/croissant/1.0) and the template of ReScience C
-(https://github.com/ReScience/template).
+All are made from ``CITATION.cff``, a manifest and the files themselves by ``ptl docs``. The formats are those of
+RO-Crate 1.1 (https://w3id.org/ro/crate/1.1), Croissant 1.0 (http://mlcommons.org/croissant/1.0) and the template of
+ReScience C (https://github.com/ReScience/template).
 """
 
 from __future__ import annotations

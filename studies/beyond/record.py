@@ -26,7 +26,8 @@ def record() -> str:
     return croissant(
         TABLE,
         "grid-world-maps",
-        "Generated grid-world mazes with a start and six goals each, for the comparison of methods that learn navigation"
-        " tasks one after another. 'python -m studies.beyond.population --maps FOLDER' writes the maps as text.",
+        "Generated grid-world mazes with a start and six goals each, for the comparison of methods that learn"
+        " navigation tasks one after another. 'python -m studies.beyond.population --maps FOLDER' writes the maps as"
+        " text.",
         COLUMNS,
     )

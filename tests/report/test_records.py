@@ -78,8 +78,8 @@ def test_metadata_of_rescience_has_the_keys_of_its_template():
     assert text == records.rescience(), "run: make docs"
     metadata = yaml.safe_load(text)
     assert list(metadata) == [
-        "title", "authors", "affiliations", "keywords", "code", "data", "replication", "abstract", "bibliography", "type",
-        "domain", "language", "review", "contributors", "dates", "article", "journal",
+        "title", "authors", "affiliations", "keywords", "code", "data", "replication", "abstract", "bibliography",
+        "type", "domain", "language", "review", "contributors", "dates", "article", "journal",
     ]  # fmt: skip
     assert metadata["title"].startswith("[Re] ") and metadata["type"] == "Replication"
     assert metadata["replication"][3] == {"doi": "10.1177/1729881419831555"}

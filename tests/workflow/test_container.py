@@ -1,4 +1,4 @@
-"""The commands of the container file work, run here without a container: in folders of this machine, with its Python."""
+"""The commands of the container file work, run without a container: in folders of this machine, with its Python."""
 
 from __future__ import annotations
 
