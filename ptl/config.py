@@ -213,6 +213,16 @@ class MapOptions(Group, frozen=True, kw_only=True, omit_defaults=True):
         float,
         key("Metres of a cell of a ROS map, a multiple of its resolution; a cell is a pixel if 0.", ge=0, le=10**6),
     ] = 0.0
+    slip: Annotated[
+        float,
+        key(
+            "Probability that a step goes in a direction drawn uniformly from the four instead of that of the action;"
+            " methods are not told of it.",
+            CHOSEN,
+            ge=0,
+            le=1,
+        ),
+    ] = 0.0
 
 
 class Environment(Group, frozen=True, kw_only=True):

@@ -8,7 +8,7 @@ from libc.stdint cimport int32_t, int64_t, uint8_t, uint32_t, uint64_t
 
 import numpy as np
 
-from ptl.agent._kernel cimport ALL_ACTIONS, NO_LIMIT, NO_STATE, Learner, checked_index
+from ptl.agent._kernel cimport ALL_ACTIONS, NO_STATE, Learner, checked_index
 
 from ptl.agent._kernel import check_mixing, checked_policy
 
@@ -120,7 +120,7 @@ cdef class Run:
 
     cdef int lead(self, Led led) except -1:
         if not self.mixes:
-            return self.learner.run_policy(&led.policy[0], led.subgoal, NO_LIMIT)
+            return self.learner.run_policy(&led.policy[0], led.subgoal, self.learner.dynamics.n_states)
         return self.learner.run_reuse(&led.policy[0], led.subgoal, self.psi, self.decay)
 
     cdef int explore_led(self, Led led, int64_t budget) except -1:

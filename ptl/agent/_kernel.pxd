@@ -15,6 +15,7 @@ cdef int64_t NO_LIMIT
 @cython.final
 cdef class Dynamics:
     cdef readonly int n_states
+    cdef readonly double slip
     cdef object _keep, fresh_moves
     cdef uint32_t* successors
     cdef uint32_t* jumps
@@ -39,7 +40,7 @@ cdef class Learner:
     cdef bint first_of_ties  # False: greedy actions tie at random
     cdef bint notes_pairs  # False: actions taken two at a time are not noted, and `seen` must not be asked for
     cdef double alpha, gamma
-    cdef uint64_t epsilon
+    cdef uint64_t epsilon, slip
     cdef int64_t max_steps, taken
     cdef uint32_t start, here, goal
     cdef double* values
@@ -55,7 +56,7 @@ cdef class Learner:
     cdef uint32_t* informed_states
     cdef int n_informed
     cdef object _recorded
-    cdef uint8_t* actions
+    cdef uint8_t* directions
     cdef int64_t record_limit
 
     cdef int admit(self) except -1
@@ -77,6 +78,17 @@ cdef class Learner:
     cdef int run_policy(self, const signed char* policy, uint32_t subgoal, int64_t budget) except -1 nogil
     cdef int run_reuse(self, const signed char* policy, uint32_t subgoal, double psi, double decay) except -1 nogil
     cdef int erase_loops(self, uint32_t* path) noexcept nogil
+
+
+cdef uint32_t slipped(Learner learner, uint32_t action) noexcept nogil
+
+
+cdef inline uint32_t direction_of(Learner learner, uint32_t action) noexcept nogil:
+    """The direction of a step: that of the action, unless the step slips.
+
+    The action given a direction has the same law if all actions are equally probable.
+    """
+    return slipped(learner, action) if learner.slip else action
 
 
 cdef int64_t checked_index(name, value, int64_t end) except -1

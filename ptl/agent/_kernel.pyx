@@ -1,6 +1,6 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: embedsignature=True
-"""The hot loop: episodes of tabular Q-learning in a deterministic world.
+"""The hot loop: episodes of tabular Q-learning in a world of one step in each direction, which may slip.
 
 One `Learner` learns one task (one goal). Between `begin_episode` and the goal its four calls can follow each other in
 any order, which is all that the methods are made of:
@@ -11,8 +11,10 @@ any order, which is all that the methods are made of:
 ``act``       take one action, drawn by `choose` or chosen elsewhere.
 
 Every primitive step, whoever chose it, updates Q(s,a) += alpha (r + gamma max_b Q(s',b) - Q(s,a)), with r = 1 and no
-bootstrap at the goal and r = 0 elsewhere, notes the action as the last exit from s and as taken in s. A method with
-another update takes its steps by ``act(action, learn=False)`` and changes Q by `update`, `set_value` and `set_q`.
+bootstrap at the goal and r = 0 elsewhere, and notes its direction as the last exit from s and as taken in s. In a
+world that slips the direction is, with the probability of slipping, drawn uniformly from the four, and otherwise that of
+the action; Q is updated for the action. A method with another update takes its steps by ``act(action, learn=False)`` and
+changes Q by `update`, `set_value` and `set_q`.
 
 How it is fast
 --------------
@@ -25,10 +27,13 @@ the greedy slots and the uniform ones, so that the index of a move does not depe
 
 *Two steps at a time where nothing is known.* Call a state cold if Q has been zero since the task began on all states
 within two steps of it and the goal is none of them. There all four actions tie, so the next two actions are uniform and
-independent whatever epsilon is; both targets are gamma * 0, so the two updates leave Q as it is; and the episode cannot
-end. Two steps are therefore four random bits and one load from a table of two-step successors. The law of the episode
-is that of single steps, and `ptl.agent.reference`, which takes these steps singly and with all updates, agrees bit
-for bit. Both last exits are noted as ever, and the two actions taken as one pair.
+independent whatever epsilon is, and so are the next two directions whether steps slip or not; both targets are
+gamma * 0, so the two updates leave Q as it is, whichever actions they are for; and the episode cannot end. Two steps are
+therefore four random bits and one load from a table of two-step successors. The law of the episode is that of single
+steps, and `ptl.agent.reference`, which takes these steps singly and with all updates, agrees bit for bit. Both last exits
+are noted as ever, and the two directions as one pair.
+
+*Slipping costs nothing where nothing slips.* The loop of single steps is compiled twice, with and without it.
 
 Floating point is plain IEEE double without contraction: the same bits on every machine.
 
@@ -86,15 +91,18 @@ cdef class Dynamics:
     Parameters
     ----------
     successors : int array, shape (n_states, 4)
-        State after each action (north, south, west, east).
+        State after a step in each direction (north, south, west, east).
+    slip : float
+        Probability that the direction of a step is drawn uniformly from the four, whatever the action.
 
     Raises
     ------
     ValueError
-        If the shape is wrong or a successor is not a state.
+        If the shape is wrong, a successor is not a state or the slip no probability.
     """
 
-    def __cinit__(self, successors):
+    def __cinit__(self, successors, slip=0.0):
+        self.slip = check_probability("slip", slip)
         given = np.array(successors)
         if given.ndim != 2 or given.shape[1] != 4 or not len(given):
             raise ValueError("successors must have the shape (n_states, 4)")
@@ -153,6 +161,12 @@ cdef inline uint32_t draw(Learner learner) noexcept nogil:
     return <uint32_t>learner.words[learner.next_word - 1]
 
 
+cdef uint32_t slipped(Learner learner, uint32_t action) noexcept nogil:
+    """The direction of a step that may slip, from the next 32 random bits."""
+    cdef uint64_t product = <uint64_t>draw(learner) * 4
+    return <uint32_t>(product >> 32) if <uint32_t>product < learner.slip else action
+
+
 cdef inline uint32_t epsilon_greedy(Learner learner, uint64_t epsilon) noexcept nogil:
     """The epsilon-greedy action of the present state, from the next 32 random bits."""
     cdef uint64_t product = <uint64_t>draw(learner) * GREEDY_SLOTS
@@ -192,20 +206,100 @@ cdef inline uint32_t greedy_action(Learner learner, uint8_t greedy, uint32_t slo
 cdef inline void step(Learner learner, uint32_t action) noexcept nogil:
     """One primitive step of the agent with its update."""
     cdef uint32_t state = learner.here
-    move(learner, action)
+    move(learner, direction_of(learner, action))
     update(learner, learner.values, learner.target, learner.alpha, state, action, learner.here)
 
 
-cdef inline void move(Learner learner, uint32_t action) noexcept nogil:
-    """One primitive step of the agent that leaves Q as it is."""
+cdef inline void move(Learner learner, uint32_t direction) noexcept nogil:
+    """One primitive step of the agent in a direction that leaves Q as it is."""
     cdef uint32_t state = learner.here
     if learner.taken < learner.record_limit:
-        learner.actions[learner.taken] = action
-    learner.last_exit[state] = action
-    learner.taken_actions[4 * state + action] = 1
-    learner.here = learner.dynamics.successors[4 * state + action]
+        learner.directions[learner.taken] = direction
+    learner.last_exit[state] = direction
+    learner.taken_actions[4 * state + direction] = 1
+    learner.here = learner.dynamics.successors[4 * state + direction]
     learner.taken += 1
     learner.until_check -= 1
+
+
+cdef inline int64_t walk_on(Learner learner, int64_t left, int64_t pause, uint64_t epsilon,
+                            bint slips) noexcept nogil:
+    """`Learner.walk`, compiled once for each value of ``slips``."""
+    # A state appears as its row, its offset SLOTS * state into the tables, so that a step is one load.
+    cdef:
+        uint32_t* moves = learner.moves
+        uint32_t* jumps = learner.dynamics.jumps
+        uint32_t* successors = learner.dynamics.successors
+        double* values = learner.values
+        double* target = learner.target
+        uint8_t* cold = learner.cold
+        uint8_t* taken_actions = learner.taken_actions
+        uint8_t* taken_pairs = learner.taken_pairs
+        uint8_t* last_exit = learner.last_exit
+        double alpha = learner.alpha
+        uint32_t goal = learner.goal, row = SLOTS * learner.here, half = learner.half
+        bint has_half = learner.has_half, notes_pairs = learner.notes_pairs
+        int64_t before = left
+        uint32_t state, action, direction, middle, move, slot
+        uint64_t word, product
+        int group, groups
+
+    while left > pause and row != SLOTS * goal:
+        state = row // SLOTS
+        if left >= 2 and cold[state]:
+            if learner.next_word == WORDS:
+                learner.draw_words()
+            word = learner.words[learner.next_word]
+            learner.next_word += 1
+            groups = <int>min(16, left // 2)
+            for group in range(groups):
+                slot = word & 15
+                word >>= 4
+                direction = slot & 3
+                middle = successors[row // 4 + direction]
+                last_exit[state] = direction
+                last_exit[middle] = slot >> 2
+                if notes_pairs:
+                    taken_pairs[row + slot] = 1
+                row = jumps[row + slot]
+                state = row // SLOTS
+                left -= 2
+                if not cold[state]:
+                    break
+            continue
+
+        if has_half:
+            product = <uint64_t>half * GREEDY_SLOTS
+            has_half = False
+        else:
+            if learner.next_word == WORDS:
+                learner.draw_words()
+            word = learner.words[learner.next_word]
+            learner.next_word += 1
+            product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+            half = word >> 32
+            has_half = True
+        slot = product >> 32
+        if <uint32_t>product < epsilon:
+            slot = GREEDY_SLOTS + (slot & 3)
+        move = moves[row + slot]
+        action = direction = move % SLOTS
+        if slips:
+            learner.half, learner.has_half = half, has_half
+            direction = slipped(learner, action)
+            half, has_half = learner.half, learner.has_half
+            move = moves[row + GREEDY_SLOTS + direction]
+        last_exit[state] = direction
+        taken_actions[row // 4 + direction] = 1
+        update(learner, values, target, alpha, state, action, move // SLOTS)
+        row = move - direction
+        left -= 1
+
+    learner.here = row // SLOTS
+    learner.half, learner.has_half = half, has_half
+    learner.taken += before - left
+    learner.until_check -= before - left
+    return left
 
 
 @cython.final
@@ -255,6 +349,7 @@ cdef class Learner:
         self.dynamics = dynamics
         self.alpha, self.gamma = alpha, gamma
         self.epsilon = threshold(check_probability("epsilon", epsilon))
+        self.slip = threshold(dynamics.slip)
         self.max_steps = max_steps
         if ties not in ("random", "first"):
             raise ValueError(f"ties must be 'random' or 'first', not {ties!r}")
@@ -357,7 +452,7 @@ cdef class Learner:
         return biased_greedy(self, chance, &added[0], actions)
 
     def act(self, action, *, learn=True):
-        """Take one action and return the state that it leads to.
+        """Take one action and return the state that the step leads to.
 
         Parameters
         ----------
@@ -380,7 +475,7 @@ cdef class Learner:
         if learn:
             step(self, chosen)
         else:
-            move(self, chosen)
+            move(self, direction_of(self, chosen))
         return self.here
 
     def follow(self, policy, subgoal=None, budget=None):
@@ -423,7 +518,7 @@ cdef class Learner:
         self.run_reuse(&actions[0], last, psi, decay)
 
     def record(self, limit):
-        """Note the first ``limit`` actions of this and every later episode; 0 ends it. Steps then take longer.
+        """Note the first ``limit`` directions of this and every later episode; 0 ends it. Steps then take longer.
 
         Raises
         ------
@@ -435,7 +530,7 @@ cdef class Learner:
         recorded = np.empty(max(limit, 1), dtype=np.uint8)
         if self.taken:
             raise ValueError(f"recording must begin before the first step of an episode, not after {self.taken}")
-        self.actions = pointer8(recorded)
+        self.directions = pointer8(recorded)
         self.record_limit = limit
         self._recorded = recorded
 
@@ -500,7 +595,10 @@ cdef class Learner:
 
     @property
     def seen(self):
-        """Actions taken in this task, uint8 array (n_states,), bit a set if action a was ever taken in the state."""
+        """Directions of this task's steps, uint8 array (n_states,), bit d set if one led in direction d.
+
+        So these are the transitions that the agent has seen. Without slip they are the actions taken.
+        """
         cdef int state, action, n = self.dynamics.n_states
         cdef uint8_t second
         cdef const uint8_t* pairs
@@ -518,7 +616,7 @@ cdef class Learner:
 
     @property
     def recorded(self):
-        """First actions of this episode, uint8 array (min(steps, limit),); `record` sets the limit, 0 at first."""
+        """First directions of this episode, uint8 array (min(steps, limit),); `record` sets the limit, 0 at first."""
         return self._recorded[: min(self.taken, self.record_limit)].copy()
 
     def erased_path(self):
@@ -666,76 +764,9 @@ cdef class Learner:
 
         Pairs of steps may overshoot the pause, because what they draw must not depend on it.
         """
-        # A state appears as its row, its offset SLOTS * state into the tables, so that a step is one load.
-        cdef:
-            uint32_t* moves = self.moves
-            uint32_t* jumps = self.dynamics.jumps
-            uint32_t* successors = self.dynamics.successors
-            double* values = self.values
-            double* target = self.target
-            uint8_t* cold = self.cold
-            uint8_t* taken_actions = self.taken_actions
-            uint8_t* taken_pairs = self.taken_pairs
-            uint8_t* last_exit = self.last_exit
-            double alpha = self.alpha
-            uint32_t goal = self.goal, row = SLOTS * self.here, half = self.half
-            bint has_half = self.has_half, notes_pairs = self.notes_pairs
-            int64_t before = left
-            uint32_t state, action, middle, move, slot
-            uint64_t word, product
-            int group, groups
-
-        while left > pause and row != SLOTS * goal:
-            state = row // SLOTS
-            if left >= 2 and cold[state]:
-                if self.next_word == WORDS:
-                    self.draw_words()
-                word = self.words[self.next_word]
-                self.next_word += 1
-                groups = <int>min(16, left // 2)
-                for group in range(groups):
-                    slot = word & 15
-                    word >>= 4
-                    action = slot & 3
-                    middle = successors[row // 4 + action]
-                    last_exit[state] = action
-                    last_exit[middle] = slot >> 2
-                    if notes_pairs:
-                        taken_pairs[row + slot] = 1
-                    row = jumps[row + slot]
-                    state = row // SLOTS
-                    left -= 2
-                    if not cold[state]:
-                        break
-                continue
-
-            if has_half:
-                product = <uint64_t>half * GREEDY_SLOTS
-                has_half = False
-            else:
-                if self.next_word == WORDS:
-                    self.draw_words()
-                word = self.words[self.next_word]
-                self.next_word += 1
-                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
-                half = word >> 32
-                has_half = True
-            slot = product >> 32
-            if <uint32_t>product < epsilon:
-                slot = GREEDY_SLOTS + (slot & 3)
-            move = moves[row + slot]
-            action = move % SLOTS
-            last_exit[state] = action
-            taken_actions[row // 4 + action] = 1
-            update(self, values, target, alpha, state, action, move // SLOTS)
-            row = move - action
-            left -= 1
-
-        self.here = row // SLOTS
-        self.half, self.has_half = half, has_half
-        self.taken += before - left
-        self.until_check -= before - left
-        return left
+        if self.slip == 0:
+            return walk_on(self, left, pause, epsilon, False)
+        return walk_on(self, left, pause, epsilon, True)
 
     cdef int run_greedily_recorded(self, int64_t budget, uint64_t epsilon) except -1 nogil:
         """Act as `run_greedily` does, from the same random numbers, with every step taken by `step`."""
@@ -750,8 +781,8 @@ cdef class Learner:
                 word = self.words[self.next_word]
                 self.next_word += 1
                 for group in range(16):
-                    step(self, word & 3)
-                    step(self, word >> 2 & 3)
+                    move(self, word & 3)  # the updates leave Q as it is
+                    move(self, word >> 2 & 3)
                     word >>= 4
                     left -= 2
                     if left < 2 or not self.cold[self.here]:

@@ -69,8 +69,9 @@ class Plan:
     note : function
         Told of each episode the candidates drawn, its length in steps and whether it reached the goal.
     mixing : Mixing, optional
-        Mixes a guide's policy into the agent's own. Without it the policy is followed to its subgoal, or to a state
-        where it is undefined.
+        Mixes a guide's policy into the agent's own. Without it the policy is followed to its subgoal, to a state
+        where it is undefined, or for as many steps as there are states: a policy whose way is now closed would never
+        end (our choice).
     epsilon : float, optional
         Of exploring, instead of the learner's.
     patience : float, optional
@@ -125,7 +126,7 @@ class Plan:
         if self.mixing is not None:
             learner.reuse(guide.policy, *self.mixing, **({} if guide.subgoal is None else {"subgoal": guide.subgoal}))
         else:
-            learner.follow(guide.policy, guide.subgoal)
+            learner.follow(guide.policy, guide.subgoal, budget=len(guide.policy))
 
     def _explore_led(self, learner: Learner, guide: Leader, budget: int | None, led: set[int]) -> None:
         """Explore, led again from each state of the initiation set that is not in ``led`` and knows nothing."""

@@ -114,7 +114,7 @@ class ReferenceLearner:
     Parameters
     ----------
     successors : int array, shape (n_states, 4)
-        State after each action.
+        State after a step in each direction.
     goal : int
         State at which an episode ends with reward 1.
     random : RandomBits
@@ -132,13 +132,15 @@ class ReferenceLearner:
         episodes is the same without; the random numbers are not. It is never done if ties go to the first action.
     ties : {"random", "first"}
         Which of equal greedy actions is taken: any, or the first.
+    slip : float
+        Probability that the direction of a step is drawn uniformly from the four, whatever the action.
 
     Attributes
     ----------
     trajectory : list of int
         All states of the present episode, the start first.
-    actions : list of int
-        All actions of the present episode.
+    directions : list of int
+        Direction of every step of the present episode: that of the action, unless the step slipped.
     """
 
     def __init__(
@@ -154,6 +156,7 @@ class ReferenceLearner:
         initial_q: np.ndarray | None = None,
         shortcut: bool = True,
         ties: str = "random",
+        slip: float = 0.0,
     ) -> None:
         self._successors = [[int(after) for after in row] for row in successors]
         self._goal = int(goal)
@@ -162,6 +165,7 @@ class ReferenceLearner:
         self._gamma = gamma
         self._epsilon = epsilon
         self._max_steps = max_steps
+        self._slip = slip
         self._first_of_ties = ties == "first"
         self._shortcut = shortcut and not self._first_of_ties
         n_states = len(self._successors)
@@ -171,7 +175,7 @@ class ReferenceLearner:
         self._seen = [0] * n_states
         self._within_two = [self._states_within_two_steps(state) for state in range(n_states)]
         self.trajectory: list[int] = []
-        self.actions: list[int] = []
+        self.directions: list[int] = []
 
     # -- state of the learner
 
@@ -183,7 +187,7 @@ class ReferenceLearner:
     @property
     def steps(self) -> int:
         """Primitive steps of this episode so far."""
-        return len(self.actions)
+        return len(self.directions)
 
     @property
     def at_goal(self) -> bool:
@@ -202,7 +206,10 @@ class ReferenceLearner:
 
     @property
     def seen(self) -> np.ndarray:
-        """Actions taken in this task, uint8 array (n_states,), bit a set if action a was taken in the state."""
+        """Directions of the steps of this task, uint8 array (n_states,), bit d set if one led in direction d.
+
+        So these are the transitions that the agent has seen. Without slip they are the actions taken.
+        """
         return np.array(self._seen, dtype=np.uint8)
 
     def values_of(self, state: int) -> tuple[float, ...]:
@@ -216,7 +223,11 @@ class ReferenceLearner:
     # -- one step
 
     def act(self, action: int, learn: bool = True) -> int:
-        """Take one action, make the update of Q-learning, and return the state that the action leads to.
+        """Take one action, make the update of Q-learning for it, and return the state that the step leads to.
+
+        In a world that slips a half word u decides on the direction of the step: 4 u is a direction (its high 32 bits)
+        and a fraction (its low 32 bits), and the step goes in that direction if the fraction is below the slip, and in
+        that of the action otherwise. The update is that of the action, whatever the direction.
 
         Parameters
         ----------
@@ -225,12 +236,21 @@ class ReferenceLearner:
         learn : bool
             Whether Q is updated; a method with its own update takes its steps without.
         """
+        direction = action
+        if self._slip > 0:
+            drawn, fraction = divmod(4 * self._random.half(), TWO_32)
+            if fraction < _threshold(self._slip):
+                direction = drawn
+        return self._step(action, direction, learn)
+
+    def _step(self, action: int, direction: int, learn: bool = True) -> int:
+        """Step in a direction after an action was chosen."""
         state = self.state
-        after = self._successors[state][action]
+        after = self._successors[state][direction]
         if learn:
             self.update(state, action, 1.0 if after == self._goal else self._gamma * max(self._q[after]))
-        self._seen[state] |= 1 << action
-        self.actions.append(action)
+        self._seen[state] |= 1 << direction
+        self.directions.append(direction)
         self.trajectory.append(after)
         return after
 
@@ -289,7 +309,7 @@ class ReferenceLearner:
     def begin_episode(self, start: int) -> None:
         """Put the agent on a state and its step count to zero."""
         self.trajectory = [int(start)]
-        self.actions = []
+        self.directions = []
 
     def explore(
         self,
@@ -304,7 +324,8 @@ class ReferenceLearner:
         Where nothing is known within two steps all actions tie, so the next two actions are uniform and independent
         whatever epsilon is. There, without a bonus or a mask, and if two steps or more are left, one whole word makes
         up to 16 pairs of steps of two bits each, the lowest bits first, as long as these conditions hold. Elsewhere
-        `choose` draws the action of each step.
+        `choose` draws the action of each step. The bits of a pair are directions: that of a uniform action is uniform,
+        whether the step slips or not, and the update leaves Q as it is, whatever the action.
 
         Parameters
         ----------
@@ -322,7 +343,7 @@ class ReferenceLearner:
                 word = self._random.word()
                 for _ in range(16):
                     for _ in range(2):
-                        self.act(word % 4)
+                        self._step(word % 4, word % 4)
                         word //= 4
                     if not self._takes_pairs(end):
                         break

@@ -37,6 +37,8 @@ OPTIONS = (
                  help="Seed with which a start and goals are drawn that nothing else gives (default 0)."),
     click.option("--cell", type=click.FloatRange(0, 1e6), default=0.0,
                  help="Metres of a cell of a ROS map; a cell is free if all of its pixels are."),
+    click.option("--slip", type=click.FloatRange(0, 1), default=0.0,
+                 help="Probability that a step goes in a random direction (default 0)."),
     click.option("--format", "map_format", type=click.Choice(get_args(MapFormat)),
                  help="Format of the map, if its content can be read in several ways."),
 )  # fmt: skip
@@ -46,9 +48,16 @@ def map_options(function: Function) -> Function:
     """Add the options to a command, which gets them as ``options``, a `MapOptions` (a decorator)."""
 
     def command(
-        *arguments: Any, start: Any, goals: Any, map_seed: int | None, cell: float, map_format: Any, **rest: Any
+        *arguments: Any,
+        start: Any,
+        goals: Any,
+        map_seed: int | None,
+        cell: float,
+        slip: float,
+        map_format: Any,
+        **rest: Any,
     ) -> Any:
-        options = MapOptions(start=start, goals=list(goals), seed=map_seed, cell=cell, format=map_format)
+        options = MapOptions(start=start, goals=list(goals), seed=map_seed, cell=cell, slip=slip, format=map_format)
         return function(*arguments, options=options, **rest)
 
     command.__doc__ = function.__doc__

@@ -16,7 +16,7 @@ from libc.string cimport memcpy, memset
 
 import numpy as np
 
-from ptl.agent._kernel cimport GREEDY_SLOTS, SLOTS, Dynamics, Learner, approach
+from ptl.agent._kernel cimport GREEDY_SLOTS, SLOTS, Dynamics, Learner, approach, direction_of
 
 from ptl.agent._kernel import Learner as _Learner
 
@@ -580,20 +580,22 @@ cdef class Survey:
             uint64_t epsilon = learner.epsilon
             uint32_t goal = self.goal, row = SLOTS * learner.here
             uint32_t half = 0
-            bint has_half = False
+            bint has_half = False, slips = learner.slip > 0
             int64_t left = learner.max_steps - learner.taken
-            uint32_t state, action, middle, move, slot
+            uint32_t state, action, direction, middle, move, slot
             uint64_t word, product
             int group
 
         while row != SLOTS * goal and left > 0:
             state = row // SLOTS
             if waiting[state] != NONE:
-                action = waiting[state]
+                direction = waiting[state]
                 waiting[state] = NONE
-                last_exit[state] = action
-                move = successors[4 * state + action]
+                last_exit[state] = direction
+                move = successors[4 * state + direction]
                 if target[move] != 0:
+                    # trees give directions: that of a uniform action, or a slip
+                    action = direction_of(learner, direction)
                     self.learn(learner, state, action, target[move])
                 row = SLOTS * move
                 left -= 1
@@ -605,9 +607,9 @@ cdef class Survey:
                 for group in range(16):
                     slot = word & 15
                     word >>= 4
-                    action = slot & 3
-                    middle = closed[row // 4 + action]
-                    last_exit[state] = action
+                    direction = slot & 3
+                    middle = closed[row // 4 + direction]
+                    last_exit[state] = direction
                     if waiting[middle] != NONE:
                         row = SLOTS * middle
                         left -= 1
@@ -634,11 +636,14 @@ cdef class Survey:
                 if <uint32_t>product < epsilon:
                     slot = GREEDY_SLOTS + (slot & 3)
                 move = moves[row + slot]
-                action = move % SLOTS
-                last_exit[state] = action
+                action = direction = move % SLOTS
+                if slips:
+                    direction = direction_of(learner, action)
+                    move = moves[row + GREEDY_SLOTS + direction]
+                last_exit[state] = direction
                 if values[row // 4 + action] != target[move // SLOTS]:
                     self.learn(learner, state, action, target[move // SLOTS])
-                row = move - action
+                row = move - direction
                 left -= 1
         learner.here = row // SLOTS
         learner.taken = learner.max_steps - left

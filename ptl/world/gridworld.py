@@ -1,16 +1,19 @@
 """Grid worlds from the text of a map: states, transitions, start, goals and distances.
 
 A map is plain text: ``#`` is a wall, ``.`` a free cell, ``I`` the start and every other capital letter a goal;
-letters are free cells. The border of the text acts as a wall. All four moves are deterministic, and a move into a
-wall leaves the agent where it is (our choice; the article states only the four actions).
+letters are free cells. The border of the text acts as a wall. A move into a wall leaves the agent where it is (our
+choice; the article states only the four actions). Moves are deterministic unless the world slips: then a step goes,
+with a given probability, in a direction drawn uniformly from the four instead of that of the action.
 """
 
 from __future__ import annotations
 
+import copy
 import hashlib
 import string
 import unicodedata
 from functools import cached_property
+from typing import Self
 
 import numpy as np
 
@@ -32,7 +35,14 @@ MAX_CELLS = 2**20
 
 
 class GridWorld:
-    """A deterministic grid world read from the text of a map.
+    """A grid world read from the text of a map.
+
+    Parameters
+    ----------
+    rows : list of str
+    name : str
+    slip : float
+        Probability that a step goes in a random direction.
 
     Attributes
     ----------
@@ -44,15 +54,19 @@ class GridWorld:
     cells : int32 array, shape (n_states, 2)
         Row and column of each state; states are numbered row by row.
     successors : int32 array, shape (n_states, 4)
-        State after each action, in the order of `ACTIONS`.
+        State after a step in each direction, in the order of `ACTIONS`.
+    slip : float
+        Probability that the direction of a step is drawn uniformly from the four, whatever the action; 0 in a
+        deterministic world.
     start : int
         State of ``I``.
     goals : dict of str to int
         State of every goal letter, in alphabetical order.
     """
 
-    def __init__(self, rows: list[str], name: str) -> None:
+    def __init__(self, rows: list[str], name: str, slip: float = 0.0) -> None:
         self.check_letters(rows, name)
+        self.slip = checked_slip(slip)
         letters = np.array([list(row) for row in rows])
         self.name = name
         self.text = "\n".join(rows) + "\n"
@@ -67,7 +81,7 @@ class GridWorld:
         self._check_reachable()
 
     @classmethod
-    def from_text(cls, text: str, name: str = "map") -> GridWorld:
+    def from_text(cls, text: str, name: str = "map", slip: float = 0.0) -> GridWorld:
         """Read a map from its text.
 
         Raises
@@ -77,7 +91,7 @@ class GridWorld:
         """
         # Only line feeds end a row: other separators of str.splitlines are unknown letters of a map.
         rows = text.removeprefix("\ufeff").replace("\r\n", "\n").rstrip("\n").split("\n")
-        return cls(rows, name)
+        return cls(rows, name, slip)
 
     @staticmethod
     def check_letters(rows: list[str], name: str) -> None:
@@ -101,6 +115,14 @@ class GridWorld:
                     f"{name}: row {number} has {len(row)} cells but row 1 has {len(rows[0])};"
                     " make all rows equally long (fill up with '#')"
                 )
+
+    def with_slip(self, slip: float) -> Self:
+        """Return the same map with another probability of slipping; a number outside [0, 1] raises ValueError."""
+        if slip == self.slip:
+            return self
+        other = copy.copy(self)
+        other.slip = checked_slip(slip)
+        return other
 
     # -- reading ------------------------------------------------------------------------------------------------
 
@@ -159,7 +181,7 @@ class GridWorld:
 
     @cached_property
     def transitions(self) -> TransitionGraph:
-        """All transitions of the map as a graph."""
+        """All transitions of the map as a graph, each by the action in whose direction it leads."""
         return TransitionGraph(self.successors)
 
     @cached_property
@@ -204,7 +226,16 @@ class GridWorld:
 
     def __repr__(self) -> str:
         rows, columns = self.shape
-        return f"<GridWorld {self.name!r}: {rows} x {columns}, {self.n_states} states, goals {''.join(self.goals)}>"
+        slip = f", slip {self.slip}" if self.slip else ""
+        goals = "".join(self.goals)
+        return f"<GridWorld {self.name!r}: {rows} x {columns}, {self.n_states} states, goals {goals}{slip}>"
+
+
+def checked_slip(slip: float) -> float:
+    """Return a probability of slipping as a float, or raise ValueError."""
+    if not 0 <= slip <= 1:
+        raise ValueError(f"slip must be a probability from 0 to 1, not {slip!r}")
+    return float(slip)
 
 
 def _called(letter: str) -> str:

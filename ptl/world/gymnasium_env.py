@@ -1,7 +1,8 @@
 """A map as a Gymnasium environment.
 
 Needs the package ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
-0 elsewhere; a move into a wall leaves the agent where it is. Importing this module registers the id `ID`:
+0 elsewhere; a move into a wall leaves the agent where it is. In a world that slips with probability p an action leads in
+its own direction with probability 1 - p + p / 4 and in each other direction with probability p / 4. Importing this module registers the id `ID`:
 
 >>> import gymnasium
 >>> import ptl.world.gymnasium_env
@@ -42,7 +43,7 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
     world : GridWorld or path
         A map, or the file of one.
     map_options : mapping, optional
-        What a file leaves open: keys of `ptl.config.MapOptions`, say ``{"start": [2, 3], "goals": [[7, 8]]}``.
+        What a file leaves open: keys of `ptl.config.MapOptions`, say ``{"start": [2, 3], "slip": 0.1}``.
     goal : str
         Letter of the goal.
     random_start : bool
@@ -80,7 +81,7 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.int64, dict[str, Any]]:
-        """Put the agent on the start; ``seed`` sets the random starts."""
+        """Put the agent on the start; ``seed`` sets the random starts and slips."""
         super().reset(seed=seed)
         self._state = self.world.start
         if self.random_start:
@@ -95,7 +96,9 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
         """
         if not self.action_space.contains(action):
             raise ValueError(f"action {action!r:.60} is not allowed; give one of 0 to 3 (north, south, west, east)")
-        self._state = int(self.world.successors[self._state, action])
+        slips = self.world.slip > 0 and self.np_random.random() < self.world.slip
+        direction = self.np_random.integers(4) if slips else action
+        self._state = int(self.world.successors[self._state, direction])
         terminated = self._state == self.goal
         return np.int64(self._state), float(terminated), terminated, False, {}
 

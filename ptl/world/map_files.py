@@ -66,14 +66,19 @@ def read_map(path: str | Path, options: MapOptions | None = None) -> MapRead:
     Parameters
     ----------
     options : MapOptions, optional
-        Start, goals and whatever else the file leaves open.
+        Start, goals and whatever else the file leaves open, the slip of the world too.
 
     Raises
     ------
     UserError
         When the file cannot be read, is of another format, which is named, or is no map with such a start and goals.
     """
-    path, options = Path(path), options or MapOptions()
+    options = options or MapOptions()
+    world, notes = _read(Path(path), options)
+    return MapRead(world.with_slip(options.slip), notes)
+
+
+def _read(path: Path, options: MapOptions) -> MapRead:
     content = _content(path)
     if content[:2] in (b"P2", b"P5") and content[2:3].isspace():
         image, settings = path, next(filter(Path.is_file, map(path.with_suffix, (".yaml", ".yml"))), None)

@@ -42,11 +42,12 @@ CORNERED = GridWorld.from_text("I...\n.#..\n....\n#..A\n")
 class Pair:
     """The kernel and the reference on one task, fed from equal streams; every call is checked at once."""
 
-    def __init__(self, world: GridWorld, goal: int, seed: int, recorded: int = 0, **options) -> None:
-        self.kernel = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
+    def __init__(self, world: GridWorld, goal: int, seed: int, recorded: int = 0, slip: float = 0.0, **options) -> None:
+        self.kernel = Learner(Dynamics(world.successors, slip), goal, np.random.SFC64(seed), **options)
         self.kernel.record(recorded)
         self.recorded = recorded
-        self.reference = ReferenceLearner(world.successors, goal, RandomBits(np.random.SFC64(seed)), **options)
+        random = RandomBits(np.random.SFC64(seed))
+        self.reference = ReferenceLearner(world.successors, goal, random, slip=slip, **options)
         self.successors = world.successors
 
     def __call__(self, call: str, *arguments, **options) -> None:
@@ -58,7 +59,7 @@ class Pair:
         kernel, reference = self.kernel, self.reference
         for name in ("state", "steps", "at_goal", "truncated"):
             assert getattr(kernel, name) == getattr(reference, name), f"{name} after {call}"
-        assert kernel.recorded.tolist() == reference.actions[: self.recorded], f"actions after {call}"
+        assert kernel.recorded.tolist() == reference.directions[: self.recorded], f"directions after {call}"
         path, expected = kernel.erased_path(), reference.erased_path()
         assert path.dtype == np.int32
         assert path.tolist() == expected.tolist(), f"erased path after {call}"
@@ -162,23 +163,24 @@ def test_the_reference_can_be_read_alone():
 
 
 @pytest.mark.parametrize("options", [{"shortcut": True}, {"shortcut": False}, {"ties": "first"}], ids=str)
-@pytest.mark.parametrize("epsilon", [0.0, 0.1, 1.0])
+@pytest.mark.parametrize(("epsilon", "slip"), [(0.0, 0.0), (0.1, 0.0), (1.0, 0.0), (0.0, 0.1), (0.1, 0.3), (0.1, 1.0)])
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_equals_reference_while_learning_a_task(published_maps, name, epsilon, options):
+def test_equals_reference_while_learning_a_task(published_maps, name, epsilon, slip, options):
     world = published_maps[name]
-    pair = Pair(world, world.goals["A"], 7, epsilon=epsilon, max_steps=20_000, **options)
+    pair = Pair(world, world.goals["A"], 7, epsilon=epsilon, max_steps=20_000, slip=slip, **options)
     for _ in range(8):
         pair("begin_episode", world.start)
         pair("explore")
     assert pair.kernel.q.any() or options == {"ties": "first"}  # which can be too slow for a first success
 
 
+@pytest.mark.parametrize("slip", [0.0, 0.1])
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_equals_reference_with_patience_that_doubles(published_maps, name):
+def test_equals_reference_with_patience_that_doubles(published_maps, name, slip):
     """As a task is learnt with skills: guided legs, then exploration for 1, 2, 4, ... steps."""
     world = published_maps[name]
     goal = world.goals["F"]
-    pair = Pair(world, goal, 11, alpha=0.5, max_steps=15_001)
+    pair = Pair(world, goal, 11, alpha=0.5, max_steps=15_001, slip=slip)
     guides = [(policy_to(world.successors, world.goals[letter]), world.goals[letter]) for letter in "ABCDE"]
     for episode in range(5):
         pair("begin_episode", world.start)
@@ -189,12 +191,13 @@ def test_equals_reference_with_patience_that_doubles(published_maps, name):
             budget *= 2
 
 
+@pytest.mark.parametrize("slip", [0.0, 0.3])
 @pytest.mark.parametrize("name", PUBLISHED)
-def test_equals_reference_when_reusing_a_policy(published_maps, name):
+def test_equals_reference_when_reusing_a_policy(published_maps, name, slip):
     world = published_maps[name]
     past = policy_to(world.successors, world.goals["B"])
     past[::7] = -1
-    pair = Pair(world, world.goals["C"], 13, epsilon=0.0, max_steps=6_000)
+    pair = Pair(world, world.goals["C"], 13, epsilon=0.0, max_steps=6_000, slip=slip)
     for psi in (1.0, 1.0, 0.3, 0.0, 1.0, 2**-33, 2**-32):
         pair("begin_episode", world.start)
         pair("reuse", past, psi, 0.95)
@@ -222,9 +225,12 @@ def test_equals_reference_from_any_initial_q(published_maps, name, kind):
     ties=st.sampled_from(["random", "first"]),
     recorded=st.sampled_from([0, 40, 6_000]),
     open_calls=st.booleans(),
+    slip=st.sampled_from([0.0, 0.1, 0.3]),
     seed=st.integers(0, 2**32 - 1),
 )
-def test_equals_reference_on_any_map(text, kind, alpha, gamma, max_steps, shortcut, ties, recorded, open_calls, seed):
+def test_equals_reference_on_any_map(
+    text, kind, alpha, gamma, max_steps, shortcut, ties, recorded, open_calls, slip, seed
+):
     world = GridWorld.from_text(text)
     rng = np.random.default_rng(seed)
     goal = list(world.goals.values())[seed % len(world.goals)]
@@ -233,6 +239,7 @@ def test_equals_reference_on_any_map(text, kind, alpha, gamma, max_steps, shortc
         goal,
         seed,
         recorded,
+        slip,
         alpha=alpha,
         gamma=gamma,
         max_steps=max_steps,

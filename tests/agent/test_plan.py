@@ -49,10 +49,12 @@ def run_by_calls(learner: Any, plan: Plan, start: int) -> tuple[list[int], list[
     return steps, truncated, drawn, paths
 
 
-def check_equal(world: GridWorld, goal: int, seed: int, guides: list[Guide | None], plan_options, **options) -> None:
-    compiled = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
-    called = Learner(Dynamics(world.successors), goal, np.random.SFC64(seed), **options)
-    reference = ReferenceLearner(world.successors, goal, RandomBits(np.random.SFC64(seed)), **options)
+def check_equal(
+    world: GridWorld, goal: int, seed: int, guides: list[Guide | None], plan_options, slip: float = 0.0, **options
+) -> None:
+    compiled = Learner(Dynamics(world.successors, slip), goal, np.random.SFC64(seed), **options)
+    called = Learner(Dynamics(world.successors, slip), goal, np.random.SFC64(seed), **options)
+    reference = ReferenceLearner(world.successors, goal, RandomBits(np.random.SFC64(seed)), slip=slip, **options)
     notes = [NotedPlan(guides, seed, **plan_options) for _ in range(3)]
     steps, truncated, drawn, paths = run_episodes(compiled, notes[0].plan, world.start, EPISODES, TRAJECTORIES)
     expected = run_by_calls(reference, notes[2].plan, world.start)
@@ -97,7 +99,7 @@ def test_a_plan_is_what_its_calls_are(published_maps, name, mixing, patience):
     growth=st.sampled_from([1.0, 1.5, 2.0, 1e300]),
     epsilon=st.sampled_from([None, 0.0, 0.3]),
     max_steps=st.sampled_from([1, 2, 40, 300]),
-    options=st.sampled_from([{"shortcut": True}, {"shortcut": False}, {"ties": "first"}]),
+    options=st.sampled_from([{"shortcut": True}, {"shortcut": False}, {"ties": "first"}, {"slip": 0.2}]),
     seed=st.integers(0, 2**32 - 1),
 )
 def test_a_plan_is_what_its_calls_are_on_any_map(text, mixing, patience, growth, epsilon, max_steps, options, seed):
