@@ -93,6 +93,7 @@ def new_study(
         "run": run,
         "environments": {
             name: {"title": Path(world.name).stem, "map": f"maps/{name}.txt", "tasks": orders[name]}
+            | ({"map_options": {"slip": world.slip}} if world.slip else {})
             for name, world in worlds.items()
         },
         "methods": [name_in_study(reference) for reference in references],

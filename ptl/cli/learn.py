@@ -69,6 +69,7 @@ def command(
         parameters={group: chosen[group] for group in Learn.READS},
         maps={environment: map_digest(world.text)},
         code=learning_code(method),
+        slip=world.slip,
         environment=environment,
         tasks=tasks,
         method=methods.identifier(method),

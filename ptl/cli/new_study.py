@@ -67,7 +67,7 @@ def command(
         ("--population", population, not maps), ("--map", maps, not population),
         ("--tasks", tasks, not population), ("--maps-per-family", maps_per_family, population),
         ("--lives", lives, population), ("--survey", survey, not population), ("--growth", growth, not population),
-        ("--start, --goal, --map-seed, --cell, --format", options != MapOptions(), not population),
+        ("--start, --goal, --map-seed, --cell, --slip, --format", options != MapOptions(), not population),
     ):  # fmt: skip
         if given and not needed:
             raise UserError(f"{option}: give either --map, or --population with --maps-per-family and --lives")

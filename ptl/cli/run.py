@@ -38,7 +38,8 @@ def command(text: str, maps: tuple[str, ...], map_options: tuple[str, ...], outp
     job = job_from(text)
     options = {name: _options(given) for name, _, given in (item.partition("=") for item in map_options)}
     worlds = _Given(
-        (name, read_map(path, options.get(name)).world) for name, _, path in (given.partition("=") for given in maps)
+        (name, read_map(path, options.get(name)).world.with_slip(job.slip))
+        for name, _, path in (given.partition("=") for given in maps)
     )
     for name, digest in job.maps.items():
         if name in worlds and map_digest(worlds[name].text) != digest:

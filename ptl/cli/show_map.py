@@ -25,6 +25,8 @@ def command(maps: tuple[Path, ...], options: MapOptions) -> None:
     Maps are texts of this package, Moving AI .map (with its .scen), ROS map_server (.yaml or .pgm), labmaze,
     FrozenLake, PointMaze and maze2d.
     """
+    from ptl.world.optimum import optimal_steps
+
     for path, world in zip(maps, read_maps(maps, options), strict=True):
         rows, columns = world.shape
         click.echo(f"{path}: {rows} x {columns} cells, {world.n_states} states, diagonal {world.diagonal:.1f}")
@@ -35,4 +37,7 @@ def command(maps: tuple[Path, ...], options: MapOptions) -> None:
         distance = world.distances_to(world.start)
         for letter, goal in world.goals.items():
             row, column = world.cells[goal] + 1
-            click.echo(f"goal  {letter}  at row {row}, column {column}, {distance[goal]} steps from the start")
+            steps = f"{distance[goal]} steps from the start"
+            if world.slip:
+                steps += f", {optimal_steps(world, goal)[world.start]:.1f} on average with slip {world.slip}"
+            click.echo(f"goal  {letter}  at row {row}, column {column}, {steps}")

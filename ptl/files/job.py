@@ -27,6 +27,7 @@ Word = Annotated[str, Meta(pattern=r"^[a-z][a-z0-9_]{0,63}$")]
 Digest = Annotated[str, Meta(pattern=r"^[0-9a-f]{16}$")]
 Number = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 Positive = Annotated[int, Meta(ge=1, le=2**63 - 1)]
+Probability = Annotated[float, Meta(ge=0, le=1)]
 
 Worlds = Mapping[str, GridWorld]
 Watch = Callable[[Sequence[Any]], Iterable[Any]]
@@ -46,12 +47,15 @@ class Job(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True,
         Digest of the map of each environment, see `ptl.world.gridworld.map_digest`.
     code : str
         Digest of the sources that determine the result, see `sources`.
+    slip : float
+        Probability that a step goes in a random direction, in all environments.
     """
 
     root_seed: Number
     parameters: dict[str, dict[str, Any]]
     maps: dict[str, Digest]
     code: Digest
+    slip: Probability = 0.0
 
     TITLE: ClassVar[str] = ""
     READS: ClassVar[tuple[str, ...]] = ()

@@ -67,7 +67,7 @@ class Result:
     @cached_property
     def worlds(self) -> dict[str, GridWorld]:
         """The world of each environment."""
-        return {name: _world(text) for name, text in self.maps.items()}
+        return {name: _world(text).with_slip(self.job.slip) for name, text in self.maps.items()}
 
     @property
     def world(self) -> GridWorld:
@@ -235,6 +235,8 @@ def _check(job: Job, arrays: Mapping[str, np.ndarray], worlds: Worlds) -> None:
     for name, world in worlds.items():
         if job.maps.get(name) != map_digest(world.text):
             raise Misfit(f"its map of {name} is not that of its job")
+        if world.slip != job.slip:
+            raise Misfit(f"the slip of {name}, {world.slip}, is not that of its job, {job.slip}")
     check(job.ARRAYS, arrays, job.sizes(worlds))
     for fault in job.faults(arrays, worlds):
         raise Misfit(fault)

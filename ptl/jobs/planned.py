@@ -64,6 +64,7 @@ def _learning_job(
         parameters=groups_of(run, Learn.READS),
         maps={environment: maps[environment]},
         code=code,
+        slip=entry.map_options.slip,
         environment=environment,
         tasks=entry.tasks,
         method=method,
@@ -83,6 +84,7 @@ def growth_jobs(run: Configuration, maps: Digests) -> dict[str, Grow]:
             parameters=groups_of(run, Grow.READS),
             maps={environment: maps[environment]},
             code=code,
+            slip=run.environments[environment].map_options.slip,
             environment=environment,
             tasks=run.growth.tasks,
             seed=seed,
@@ -101,11 +103,12 @@ def survey_jobs(run: Configuration, maps: Digests) -> dict[str, Survey]:
             parameters=groups_of(run, Survey.READS),
             maps={environment: maps[environment]},
             code=code,
+            slip=entry.map_options.slip,
             environment=environment,
             trajectories=survey.trajectories,
             starts=survey.starts,
         )
-        for environment in (run.environments if survey.starts else ())
+        for environment, entry in (run.environments.items() if survey.starts else ())
     )
 
 

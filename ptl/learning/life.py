@@ -235,4 +235,4 @@ def _task(world: GridWorld, task: Task | str) -> Task:
 
 @lru_cache(maxsize=8)  # the lives on one map follow each other
 def _dynamics(world: GridWorld) -> Dynamics:
-    return Dynamics(world.successors)
+    return Dynamics(world.successors, world.slip)

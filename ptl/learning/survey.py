@@ -46,7 +46,7 @@ def subgoal_frequencies(
     UserError
         If an episode did not reach the goal within the step limit.
     """
-    dynamics, kept = Dynamics(world.successors), ("alpha", "gamma", "epsilon", "max_steps")
+    dynamics, kept = Dynamics(world.successors, world.slip), ("alpha", "gamma", "epsilon", "max_steps")
     rates: dict[str, Any] = {name: getattr(learning, name) for name in kept}
     survey = Survey(dynamics, trajectories, **rates)
     single_steps = 0

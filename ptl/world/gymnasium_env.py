@@ -1,8 +1,9 @@
 """A map as a Gymnasium environment.
 
 Needs the package ``gymnasium``. One task of the reproduction: reward 1 at the goal, which ends the episode, and
-0 elsewhere; a move into a wall leaves the agent where it is. In a world that slips with probability p an action leads in
-its own direction with probability 1 - p + p / 4 and in each other direction with probability p / 4. Importing this module registers the id `ID`:
+0 elsewhere; a move into a wall leaves the agent where it is. In a world that slips with probability p an action leads
+in its own direction with probability 1 - 3 p / 4 and in each other one with probability p / 4. Importing this module
+registers the id `ID`:
 
 >>> import gymnasium
 >>> import ptl.world.gymnasium_env

@@ -120,6 +120,7 @@ def test_a_map_other_than_that_of_the_job_is_found(learned):
             "made with skills.patience 1.0, not 3.0; remove",
         ),
         (job("ptl", 4), "made with seed 3, not 4"),
+        (msgspec.structs.replace(job("ptl", 3), slip=0.1), "made with slip 0.0, not 0.1; remove"),
         (job("no_transfer", 3), "made with method 'ptl', not 'no_transfer' \\(and 2 other differences\\)"),
         (msgspec.structs.replace(job("ptl", 3), code="0" * 16), "made with another version of the code"),
     ],
@@ -127,6 +128,16 @@ def test_a_map_other_than_that_of_the_job_is_found(learned):
 def test_a_file_of_another_job_is_refused(learned, wanted, says):
     with pytest.raises(UserError, match=f"^{learned}: was {says}"):
         store.read(learned, wanted)
+
+
+def test_a_file_has_the_slip_of_its_world(tmp_path):
+    slippery = msgspec.structs.replace(job("ptl"), slip=0.1)
+    worlds = {"rooms": ROOMS.with_slip(0.1)}
+    arrays = slippery.run(worlds)
+    with pytest.raises(UserError, match=r"the slip of rooms, 0\.1, is not that of its job, 0\.0"):
+        store.write(tmp_path / "a.h5", job("ptl"), arrays, worlds)
+    store.write(tmp_path / "a.h5", slippery, arrays, worlds)
+    assert store.read(tmp_path / "a.h5", slippery).world.slip == 0.1
 
 
 def test_nothing_impossible_is_written(tmp_path):

@@ -176,6 +176,7 @@ RULES = {
     "environments.rooms.title": {"tabulate", "draw_figure", "build_explorer", "front_page"},
     "environments.rooms.tasks": {"learn", "judge_claims", "tabulate", "draw_figure"},
     "environments.rooms": {"draw_figure"},
+    f"{OPTIONS}slip": {"learn", "survey_batch"},
     "foreign_results": {"measure", "tabulate", "draw_figure", "front_page"},
     "learning": {*LEARNING, "survey_batch"},
     "learning.max_steps": {"learn", "grow", "survey_batch", "decide"},

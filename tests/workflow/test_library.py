@@ -16,11 +16,13 @@ from gymnasium.utils.env_checker import check_env
 from matplotlib.figure import Figure
 from matplotlib.quiver import Quiver
 from projects import ROOT
+from scipy import stats
 
 import ptl
 from ptl.config import Configuration, Environment
 from ptl.errors import UserError
 from ptl.world import gymnasium_env
+from ptl.world.gridworld import GridWorld
 from ptl.world.gymnasium_env import ID, GridWorldEnv
 
 
@@ -47,11 +49,28 @@ def test_a_learning_job_imports_nothing_that_it_does_not_need():
         assert module not in loaded, module
 
 
-@pytest.mark.parametrize("random_start", [False, True])
-def test_gymnasium_view_passes_the_checker(env2, random_start):
+@pytest.mark.parametrize(("random_start", "slip"), [(False, 0.0), (True, 0.0), (False, 0.3)])
+def test_gymnasium_view_passes_the_checker(env2, random_start, slip):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        check_env(GridWorldEnv(env2, "C", random_start=random_start), skip_render_check=True)
+        check_env(GridWorldEnv(env2.with_slip(slip), "C", random_start=random_start), skip_render_check=True)
+
+
+@pytest.mark.parametrize("slip", [0.0, 0.2, 1.0])
+def test_gymnasium_view_slips_with_its_probability(slip):
+    world = GridWorld.from_text("A..\n.I.\n...\n", slip=slip)
+    env = GridWorldEnv(world, "A")
+    env.reset(seed=4)
+    counts = dict.fromkeys(world.successors[world.start].tolist(), 0)
+    for _ in range(4000):
+        env.reset()
+        counts[int(env.step(np.int64(3))[0])] += 1
+    expected = np.array([0, 0, 0, 1 - slip]) + slip / 4
+    assert sum(counts.values()) == 4000 and len(counts) == 4
+    if slip == 0:
+        assert [*counts.values()] == [0, 0, 0, 4000]
+    else:
+        assert stats.chisquare([*counts.values()], 4000 * expected).pvalue > 1e-3
 
 
 def test_gymnasium_view_walks_as_the_kernel_does(env2):

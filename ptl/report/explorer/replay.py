@@ -69,7 +69,7 @@ def replay(result: Result, kind: type[BaseMethod] | None = None) -> Iterator[Not
     names, parameters = (job.method, job.environment, job.seed), job.settings
     choices = seeding.generator(job.root_seed, *names, "choices")
     method = _Watched((kind or methods.load(job.method))(world, parameters, choices))
-    dynamics = Dynamics(world.successors)
+    dynamics = Dynamics(world.successors, world.slip)
     for index, stored in enumerate(tasks_in(result).values()):
         task = Task(stored.name, stored.start, stored.goal)
         steps = seeding.bit_generator(job.root_seed, *names, "steps", index)
