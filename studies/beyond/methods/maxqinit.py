@@ -8,13 +8,14 @@ from ptl.agent._kernel import Learner
 from ptl.config import Parameters
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
-from studies.beyond.methods.optimistic import Method as Optimistic
+from studies.beyond.methods.optimistic_fast import Method as Optimistic
 
 
 class Method(Optimistic):
-    """As `optimistic`, but a pair of state and action tried before starts from its greatest final value so far.
+    """As `optimistic_fast`, but a pair of state and action tried before starts from its greatest final value so far.
 
-    D. Abel, Y. Jinnai, S. Guo, G. Konidaris, M. Littman, ICML 2018.
+    D. Abel, Y. Jinnai, S. Guo, G. Konidaris, M. Littman, ICML 2018. Knows nothing of the goal. It learns with alpha = 1
+    as its sibling does, so that the two differ in what they keep from task to task alone.
     """
 
     label = "MaxQInit"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from mazes import random_world
+from mazes import chain_of_rooms
 
 from ptl import methods
 from ptl.agent._kernel import Dynamics, Learner
@@ -19,7 +19,6 @@ from ptl.report.explorer.data import collect
 from ptl.world.gridworld import GridWorld, map_digest
 from ptl.world.transitions import TransitionGraph
 from studies.beyond.methods import names, reference
-from studies.beyond.methods._model import Model
 
 FEW = Parameters().replace(learning__episodes=30)
 NORTH, SOUTH, WEST, EAST = range(4)
@@ -63,54 +62,6 @@ def test_looks_are_told_apart():
     assert reference("ptl") == "ptl"
 
 
-# -- R-max
-
-
-def test_rmax_costs_what_it_must_beside_the_goal():
-    """From the cell before the goal the four actions are tried in random order: 1 to 4 steps, equally often."""
-    world = GridWorld.from_text("IA\n")
-    firsts = [steps_of("rmax", world, seed, "A", FEW.replace(learning__episodes=2))[0] for seed in range(400)]
-    assert {second for _, second in firsts} == {1}
-    counts = np.bincount([first for first, _ in firsts], minlength=5)
-    assert abs(counts[1:] - 100).max() < 4 * np.sqrt(400 * 1 / 4 * 3 / 4) and counts.sum() == counts[1:].sum()
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_every_exploration_is_a_shortest_way_to_an_untried_action(seed):
-    """Against a graph search over the tried actions; nothing is tried twice before all is tried."""
-    world = random_world(np.random.default_rng(seed))
-    model, random, state = Model(world.n_states), np.random.default_rng(seed), world.start
-    tried = np.zeros(world.n_states, dtype=np.uint8)
-    reachable = world.distances_to(world.start) >= 0
-    for _ in range(4 * reachable.sum()):
-        steps = TransitionGraph(world.successors, tried).steps_from([state])
-        nearest = steps[(steps >= 0) & (tried != 15)].min()
-        way = model.way_to_untried(state, random)
-        assert len(way) == nearest + 1
-        for action in way:
-            origin, state = state, int(world.successors[state, action])
-            model.note(origin, action, state)
-        assert not tried[origin] >> way[-1] & 1
-        tried[origin] |= 1 << way[-1]
-    assert model.way_to_untried(state, random) is None
-    assert model.size == 4 * reachable.sum()
-    for goal in np.flatnonzero(reachable):
-        assert len(model.way_to(world.start, goal)) == world.shortest_path_length(world.start, goal)
-
-
-def test_rmax_forgets_and_its_other_form_does_not():
-    forgotten, kept = (
-        np.array([[steps[0] for steps in steps_of(name, RING, seed, "ABA")] for seed in range(20)])
-        for name in ("rmax", "rmax_memory")
-    )
-    shortest = RING.shortest_path_length(RING.start, RING.goal("A"))
-    assert (forgotten[:, 2] > shortest).mean() > 0.9
-    # the path first found may be the longer way round the ring, not more
-    assert kept[:, 2].max() <= shortest + 4
-    for row in steps_of("rmax_memory", RING, 3, "AB"):
-        assert len(set(row[1:])) == 1
-
-
 # -- optimism
 
 
@@ -126,6 +77,7 @@ def test_optimism_tries_everything_once_where_moves_are_certain():
 def test_maxqinit_by_hand():
     world = GridWorld.from_text("I.A\n")
     method = make("maxqinit", world)
+    assert method.parameters.learning.alpha == 1
     np.testing.assert_array_equal(method.begin_task(0, 2), np.ones((3, 4)))
     for east in (0.25, 0.75, 0.5):
         learner = Learner(Dynamics(world.successors), 2, np.random.SFC64(1), alpha=1.0)
@@ -136,6 +88,25 @@ def test_maxqinit_by_hand():
     expected = np.ones((3, 4))
     expected[0, EAST] = 0.75
     np.testing.assert_array_equal(method.begin_task(0, 2), expected)
+
+
+# -- the readings of what a skill does
+
+
+@pytest.mark.parametrize("use", ["lead_in", "reselect", "initiation_set", "mixing", "initial_values"])
+def test_a_named_reading_is_ptl_with_that_reading(use):
+    """Equal lives from equal random numbers, whatever the configuration says for the named one."""
+    world = GridWorld.from_text(chain_of_rooms(5, 4, "ABC"), "chain")
+    lives = [
+        learn_life(world, "ABC", type("Same", (methods.load(reference(name)),), {"name": "same"}), parameters, 3)
+        for name, parameters in (
+            (f"ptl_{use}", FEW.replace(skills__skill_use="mixing" if use == "lead_in" else "lead_in")),
+            ("ptl", FEW.replace(skills__skill_use=use)),
+        )
+    ]
+    assert len(lives[0].library) > 0
+    for named, configured in zip(lives[0].records, lives[1].records, strict=True):
+        assert named.selected == configured.selected and named.steps.tolist() == configured.steps.tolist()
 
 
 # -- libraries
