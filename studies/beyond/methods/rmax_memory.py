@@ -8,14 +8,19 @@ from studies.beyond.methods.rmax import Method as RMax
 
 
 class Method(RMax):
-    """As `rmax`, with the model kept from task to task (Brafman and Tennenholtz, 2002; keeping it is our choice)."""
+    """As `rmax`, with the model kept from task to task (our choice).
+
+    In case the world has changed between tasks, the last m tries of an action replace its counts if all of them led to
+    the same state, another than before (our choice). Knows the goal's state if it has ever been there.
+    """
 
     label = "R-max, model kept"
     colour = "#bf812d"
+    forgets = True
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         kept = self.model
         super().begin_task(start, goal)
         self.model = kept
-        self.goal_is_known = any(goal in after for after in kept.after)
+        self.goal_is_known = any(goal in pair.outcomes for pairs in kept.pairs for pair in pairs)
         return None
