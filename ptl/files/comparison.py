@@ -1,8 +1,9 @@
 """Compare the products of a run with those of another: the published one, or any other report folder.
 
-Numbers and the classes of claims decide. Tables (CSV) are compared cell by cell: they are equal within a tolerance (ours) if nothing
-differs but the last printed digit of numbers that are not whole, because processors round differently. Drawings, pages
-and all other products are compared by their bytes; those that differ are named but not judged.
+Numbers and the classes of claims decide. Tables (CSV) are compared cell by cell: they are equal within a tolerance
+(ours) if nothing differs but the last printed digit of numbers that are not whole, because processors round
+differently. Drawings, pages and all other products are compared by their bytes; those that differ are named but not
+judged.
 """
 
 from __future__ import annotations

@@ -40,10 +40,12 @@ def coverage_page(
         for method in dict.fromkeys(part["method"]):
             own = [cells.loc[(method, metric)] for metric in METRICS]
             texts = [
-                Cell(percent(row["coverage"]), f"{number(row['mean'])} over {int(row['runs'])}",
-                     best=row["coverage"] < confidence - TOLERATED)
+                Cell(
+                    percent(row["coverage"]) + " *" * bool(row["coverage"] < confidence - TOLERATED),
+                    f"{number(row['mean'])} over {number(row['runs'])}",
+                )
                 for row in own
-            ]  # fmt: skip
+            ]
             rows.append(Row(looks[str(method)][0], texts, looks[str(method)][1]))
         groups.append(RowGroup(rows, f"{titles[str(environment)]}, task {task}", f"{environment} {task}"))
     low = coverage["coverage"] < confidence - TOLERATED
@@ -58,7 +60,7 @@ def coverage_page(
         title=f"Coverage of the intervals of {runs} runs",
         intro=f"Share of samples of {runs} runs, drawn from the many that decide the claims, whose"
         f" {percent(confidence)} interval contains the mean of all; in small type this mean and the number of runs. Far"
-        f" below the level in bold: {counts}.",
+        f" below the level, marked *: {counts}.",
         corner="Method",
         columns=[Column(BY_NAME[metric].heading, "coverage") for metric in METRICS],
         groups=groups,
