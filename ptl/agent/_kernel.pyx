@@ -615,6 +615,12 @@ cdef class Learner:
         return result
 
     @property
+    def transitions(self):
+        """Transitions seen in this task: the state after a step in each direction, int32 (n_states, 4), -1 if unseen."""
+        steps = np.unpackbits(self.seen[:, None], axis=1, count=4, bitorder="little")
+        return np.where(steps, self.dynamics._keep[0], -1).astype(np.int32)
+
+    @property
     def recorded(self):
         """First directions of this episode, uint8 array (min(steps, limit),); `record` sets the limit, 0 at first."""
         return self._recorded[: min(self.taken, self.record_limit)].copy()

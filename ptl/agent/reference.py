@@ -212,6 +212,13 @@ class ReferenceLearner:
         """
         return np.array(self._seen, dtype=np.uint8)
 
+    @property
+    def transitions(self) -> np.ndarray:
+        """Transitions seen in this task: the state after a step in each direction, int32 (n_states, 4), or -1."""
+        rows = zip(self._successors, self._seen, strict=True)
+        table = [[after if seen >> action & 1 else -1 for action, after in enumerate(row)] for row, seen in rows]
+        return np.array(table, dtype=np.int32)
+
     def values_of(self, state: int) -> tuple[float, ...]:
         """Return the four action values of a state."""
         return tuple(self._q[state])

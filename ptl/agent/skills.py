@@ -132,9 +132,13 @@ def states_before(subgoal: int, paths: Iterable[np.ndarray], n_states: int) -> n
 
 
 def _way(skill: Skill, start: int, successors: np.ndarray) -> list[int]:
-    """Return the states through which a skill's policy leads from ``start``, up to where it ends or is undefined."""
-    way, state = [], start
-    while state != skill.subgoal and skill.policy[state] >= 0:
-        way.append(state)
+    """Return the states through which a skill's policy leads from ``start``, up to where it ends or is undefined.
+
+    On another map than that of the task which taught the skill it may come back to a state, and ends there.
+    """
+    way: dict[int, None] = {}
+    state = start
+    while state != skill.subgoal and skill.policy[state] >= 0 and state not in way:
+        way[state] = None
         state = int(successors[state, skill.policy[state]])
-    return way
+    return list(way)

@@ -28,11 +28,19 @@ MAX_DRAWN = 2**31 - 1
 
 @dataclass(frozen=True)
 class Task:
-    """A navigation task: reach ``goal`` from ``start`` (states)."""
+    """A navigation task: reach ``goal`` from ``start`` (states).
+
+    Attributes
+    ----------
+    world : GridWorld, optional
+        Map on which it is learned, with the states of the life's map, of which methods are not told; the life's map if
+        not given.
+    """
 
     name: str
     start: int
     goal: int
+    world: GridWorld | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True)
@@ -220,12 +228,15 @@ def learn_life(
     parameters = Parameters() if parameters is None else parameters
     names = (methods.identifier(method), *stream_names)
     make = methods.load(method) if isinstance(method, str) else method
-    dynamics = _dynamics(world)
     agent = make(world, parameters, seeding.generator(root_seed, *names, "choices"))
     records = []
-    for index, task in enumerate(tasks):
+    for index, given in enumerate(tasks):
+        task = _task(world, given)
+        there = world if task.world is None else task.world
+        if there.n_states != world.n_states:
+            raise UserError(f"task {task.name}: its map has {there.n_states} states, that of the life {world.n_states}")
         stream = seeding.bit_generator(root_seed, *names, "steps", index)
-        records.append(learn_task(world, dynamics, _task(world, task), agent, parameters, stream, index))
+        records.append(learn_task(there, _dynamics(there), task, agent, parameters, stream, index))
     return Life(records, agent.library)
 
 

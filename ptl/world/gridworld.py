@@ -124,6 +124,30 @@ class GridWorld:
         other.slip = checked_slip(slip)
         return other
 
+    def with_closed(self, closed: np.ndarray) -> Self:
+        """Return the map with some of its cells closed: no step leads into or out of them, and all states keep their
+        numbers.
+
+        Parameters
+        ----------
+        closed : bool array, shape (n_states,)
+
+        Raises
+        ------
+        UserError
+            If the start or a goal is closed, or a goal cannot be reached.
+        """
+        for letter, state in {START: self.start, **self.goals}.items():
+            if closed[state]:
+                raise UserError(f"{self.name}: the cell of {letter!r} cannot be closed; close another one")
+        other = copy.copy(self)
+        other.__dict__.pop("transitions", None)
+        own = np.arange(self.n_states, dtype=np.int32)[:, np.newaxis]
+        other.successors = np.where(closed[:, np.newaxis] | closed[self.successors], own, self.successors)
+        other.successors.flags.writeable = False
+        other._check_reachable()
+        return other
+
     # -- reading ------------------------------------------------------------------------------------------------
 
     def _read_letters(self, letters: np.ndarray) -> tuple[int, dict[str, int]]:

@@ -10,11 +10,15 @@ import numpy as np
 from ptl import methods
 from ptl.config import Parameters
 from ptl.errors import UserError
-from ptl.learning.life import learn_life, tasks_of
+from ptl.learning.life import Task, learn_life, tasks_of
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
+from studies.beyond.changes import changing_worlds
 from studies.beyond.maps import winding
 from studies.beyond.methods._sized import sized
+
+NO_CHANGE = "none"
+"""Name of the rule by which no map changes."""
 
 
 def variant(reference: str, per_task: int) -> type[methods.BaseMethod]:
@@ -31,6 +35,24 @@ def variant(reference: str, per_task: int) -> type[methods.BaseMethod]:
     if not issubclass(kind, PartialTransfer):
         raise UserError(f"per_task: {per_task} skills a task need a variant of ptl, not {reference}")
     return sized(kind, methods.identifier(kind), per_task)
+
+
+def tasks_in(world: GridWorld, letters: str, change: str, *names: str | int) -> list[Task]:
+    """Return the tasks of a map, each with its own map if these change, see `studies.beyond.changes.changing_worlds`.
+
+    Parameters
+    ----------
+    letters : str
+        Goals in the order in which they are learned.
+    change : str
+        `NO_CHANGE`, or the rule by which the map changes between tasks.
+    names : str or int
+        What the changes derive from.
+    """
+    if change == NO_CHANGE:
+        return tasks_of(world, letters)
+    worlds = changing_worlds(world, change, len(letters), *names)
+    return [Task(letter, there.start, there.goal(letter), there) for letter, there in zip(letters, worlds, strict=True)]
 
 
 def lives_on_maps(

@@ -66,6 +66,8 @@ class Pair:
         check_path(path, self.successors, reference.trajectory[0], kernel.state)
         assert kernel.seen.dtype == np.uint8
         assert np.array_equal(kernel.seen, reference.seen), f"seen after {call}"
+        assert kernel.transitions.dtype == np.int32
+        assert np.array_equal(kernel.transitions, reference.transitions), f"transitions after {call}"
         q = kernel.q
         assert q.shape == self.successors.shape and q.dtype == np.float64
         assert q.tobytes() == reference.q.tobytes(), f"Q after {call}"

@@ -14,14 +14,14 @@ from ptl.config import Parameters
 from ptl.methods.ptl import NULL_SKILL
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
-from ptl.world.transitions import TransitionGraph
+from ptl.world.transitions import N_ACTIONS, TransitionGraph
+from studies.beyond.methods._transitions import UNSEEN, graph_of, updated
 
 
 @dataclass
 class EveryState(SkillLibrary):
     """A library with a skill to every state visited so far; policies follow from the seen transitions when needed."""
 
-    seen: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.uint8))
     visited: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
     def __len__(self) -> int:
@@ -43,7 +43,7 @@ class Method(PartialTransfer):
     """As `ptl`, with a skill to every visited state: the limit case for selection.
 
     L. P. Kaelbling, Learning to achieve goals, IJCAI 1993. A skill is a shortest path over all transitions seen so
-    far. The size of this library grows with the map.
+    far, of which the newest counts. The size of this library grows with the map.
     """
 
     label = "A skill to every state"
@@ -52,10 +52,10 @@ class Method(PartialTransfer):
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         super().__init__(world, parameters, random)
         self.library = EveryState()
-        self.seen = np.zeros(world.n_states, dtype=np.uint8)
+        self.after = np.full((world.n_states, N_ACTIONS), UNSEEN)
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
-        self.graph = TransitionGraph(self.world.successors, self.seen)
+        self.graph = graph_of(self.after)
         self._guides: dict[int, Guide] = {}
         return super().begin_task(start, goal)
 
@@ -66,4 +66,4 @@ class Method(PartialTransfer):
         return None if skill == NULL_SKILL else self._guides[subgoal]
 
     def end_task(self, learner: Learner) -> None:
-        self.seen |= learner.seen
+        self.after = updated(self.after, learner.transitions)

@@ -13,9 +13,8 @@ from ptl.config import Parameters
 from ptl.methods.ptl import NULL_SKILL
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
-from ptl.world.transitions import TransitionGraph
-
-ALL_ACTIONS = 15
+from ptl.world.transitions import N_ACTIONS
+from studies.beyond.methods._transitions import UNSEEN, graph_of, updated
 
 
 class Method(PartialTransfer):
@@ -42,13 +41,13 @@ class Method(PartialTransfer):
 
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         super().__init__(world, parameters, random)
-        self.seen_before = np.zeros(world.n_states, dtype=np.uint8)
+        self.after_before = np.full((world.n_states, N_ACTIONS), UNSEEN)
         self.frontier: int
         self._to_frontier: Guide | None = None
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         self.start, self.goal = start, goal
-        self._look(self.seen_before)
+        self._look(self.after_before)
         return super().begin_task(start, goal)
 
     def run_episode(self, learner: Learner) -> list[int]:
@@ -56,9 +55,9 @@ class Method(PartialTransfer):
         return super().run_episode(learner)
 
     def draw_skill(self) -> int:
-        seen = self.seen_before | self._learner.seen
-        if not np.array_equal(seen, self._seen):
-            self._look(seen)
+        after = updated(self.after_before, self._learner.transitions)
+        if not np.array_equal(after, self._after):
+            self._look(after)
             self.selection.prior = self.prior(self.goal)
         return super().draw_skill()
 
@@ -70,7 +69,7 @@ class Method(PartialTransfer):
         return self._to_frontier
 
     def end_task(self, learner: Learner) -> None:
-        self.seen_before |= learner.seen
+        self.after_before = updated(self.after_before, learner.transitions)
 
     def prior(self, goal: int) -> np.ndarray:
         places = [self.start, *self.library.subgoals, *([self.frontier] if self.offers_frontier else [])]
@@ -83,16 +82,16 @@ class Method(PartialTransfer):
         allowed[NULL_SKILL] |= not allowed.any()
         return prior_of_distances(steps, skills.prior_width * world.diagonal, allowed=allowed)
 
-    def _look(self, seen: np.ndarray) -> None:
-        """Find the frontier state anew from the actions seen in each state, uint8 (n_states,)."""
-        self._seen, self._to_frontier = seen, None
-        self.graph = TransitionGraph(self.world.successors, seen)
-        self.frontier = self._frontier_state(seen)
+    def _look(self, after: np.ndarray) -> None:
+        """Find the frontier state anew from the state after each action that was seen, int (n_states, 4)."""
+        self._after, self._to_frontier = after, None
+        self.graph = graph_of(after)
+        self.frontier = self._frontier_state()
 
-    def _frontier_state(self, seen: np.ndarray) -> int:
+    def _frontier_state(self) -> int:
         steps = self.graph.steps_from([self.start])
         if steps[self.goal] >= 0:
             return self.goal
-        open_ = np.flatnonzero((steps >= 0) & (seen != ALL_ACTIONS))
+        open_ = np.flatnonzero((steps >= 0) & (self._after == UNSEEN).any(axis=1))
         away = ((self.world.cells[open_] - self.world.cells[self.goal]) ** 2).sum(axis=1)
         return int(open_[np.lexsort((open_, steps[open_], away))[0]])

@@ -144,7 +144,7 @@ def look(name: str, world: GridWorld, seen: dict[int, list[int]], goal: str, **c
     """Return the method at the beginning of a task, when some actions have been seen in some states."""
     method = make(name, world, **changes)
     for state, actions in seen.items():
-        method.seen_before[state] = sum(1 << action for action in actions)
+        method.after_before[state, actions] = world.successors[state, actions]
     method.begin_task(world.start, world.goal(goal))
     return method
 
@@ -192,13 +192,13 @@ def test_the_path_prior_by_hand():
     method = make("ptl_frontier_path", LINE, skills__prior_width=0.1)
     method.library.skills = [Skill(subgoal, np.full(10, -1, dtype=np.int8), 0) for subgoal in (4, 1)]
     for state in range(2, 6):
-        method.seen_before[state] = 15
+        method.after_before[state] = LINE.successors[state]
     method.begin_task(LINE.start, LINE.goal("A"))
     assert method.frontier == 6
     weights = np.exp(-np.array([4, 2, np.inf, 0]) / (0.1 * LINE.diagonal))
     np.testing.assert_allclose(method.selection.prior, weights / weights.sum())
     alone = make("ptl_path_prior", LINE, skills__prior_width=0.1)
-    alone.library, alone.seen_before = method.library, method.seen_before
+    alone.library, alone.after_before = method.library, method.after_before
     alone.begin_task(LINE.start, LINE.goal("A"))
     np.testing.assert_allclose(alone.selection.prior, weights[:3] / weights[:3].sum())
 
