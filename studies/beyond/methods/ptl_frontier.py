@@ -47,6 +47,7 @@ class Method(PartialTransfer):
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         self.start, self.goal = start, goal
+        self._seen = np.zeros(self.world.n_states, dtype=np.uint8)
         self._look(self.after_before)
         return super().begin_task(start, goal)
 
@@ -55,9 +56,10 @@ class Method(PartialTransfer):
         return super().run_episode(learner)
 
     def draw_skill(self) -> int:
-        after = updated(self.after_before, self._learner.transitions)
-        if not np.array_equal(after, self._after):
-            self._look(after)
+        seen = self._learner.seen
+        if not np.array_equal(seen, self._seen):
+            self._seen = seen
+            self._look(updated(self.after_before, self._learner.transitions))
             self.selection.prior = self.prior(self.goal)
         return super().draw_skill()
 
