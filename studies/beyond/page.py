@@ -39,7 +39,18 @@ NO_TRANSFER = "no_transfer"
 FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "ptl_covering")
 """PTL with other finders of subgoals; everything else is as in `ptl`."""
 
-RIVALS = ("optimistic", "maxqinit", "optimistic_fast", "rmax", "rmax_memory")
+READINGS = ("ptl_lead_in", "ptl_reselect", "ptl_initiation_set", "ptl_mixing", "ptl_initial_values")
+"""PTL under each reading of what a drawn skill does."""
+
+TRANSFER = ("full_transfer", "policy_reuse", "plpr", "successor_features")
+"""Methods that hand over values or policies instead of skills."""
+
+RMAX = tuple(f"{kind}{visits}" for kind in ("rmax", "rmax_memory") for visits in ("", "_2", "_5", "_10"))
+
+RIVALS = (
+    *TRANSFER, "optimistic", "maxqinit", "optimistic_fast", *RMAX, "rmax_memory_5_stubborn", "rmax_directed",
+    "free_space", "free_space_memory",
+)  # fmt: skip
 """Baselines without skills."""
 
 OURS = ("ptl_path_prior", "ptl_frontier", "ptl_frontier_path", "frontier_only")
@@ -59,6 +70,7 @@ TRANSITIONS = "all transitions ever seen"
 KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "no_transfer": (NOTHING, "no", NOTHING),
     "ptl": (COORDINATES, "for skills", SKILLS),
+    **dict.fromkeys(READINGS, (COORDINATES, "for skills", SKILLS)),
     "ptl_supervised": ("the whole map (supervisor)", "for skills", SKILLS),
     "ptl_original_fd": (COORDINATES, "for skills", SKILLS),
     "ptl_random_state": (COORDINATES, "for skills", SKILLS),
@@ -70,11 +82,21 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "ptl_frontier": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
     "ptl_frontier_path": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
     "frontier_only": (COORDINATES, "for skills", TRANSITIONS),
+    "full_transfer": (NOTHING, "no", "last action values"),
+    "policy_reuse": (NOTHING, "no", "policies"),
+    "plpr": (NOTHING, "no", "policies"),
+    "successor_features": ("its state", CERTAIN, f"policies, {TRANSITIONS}"),
     "optimistic": (NOTHING, "no", NOTHING),
-    "maxqinit": (NOTHING, "no", "greatest value of each tried action"),
+    "maxqinit": (NOTHING, CERTAIN, "greatest value of each tried action"),
     "optimistic_fast": (NOTHING, CERTAIN, NOTHING),
+    **{name: (NOTHING, "no", NOTHING) for name in RMAX if "memory" not in name},
+    **{name: ("its state, if seen before", "no", TRANSITIONS) for name in RMAX if "memory" in name},
+    "rmax_memory_5_stubborn": ("its state, if seen before", "no", TRANSITIONS),
     "rmax": (NOTHING, CERTAIN, NOTHING),
     "rmax_memory": ("its state, if seen before", CERTAIN, TRANSITIONS),
+    "rmax_directed": (COORDINATES, CERTAIN, NOTHING),
+    "free_space": (f"{COORDINATES}, size of the map", "no", NOTHING),
+    "free_space_memory": (f"{COORDINATES}, size of the map", "no", "walls"),
 }
 """Each method's knowledge of the goal, reliance on deterministic moves, and memory between tasks."""
 
