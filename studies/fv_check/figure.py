@@ -1,124 +1,85 @@
-"""The experiment of Fernandez and Veloso: mean gain against trials, with the values of their figure."""
+"""The experiment of Fernandez and Veloso: gains under each reading, beside the values of their figure."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from matplotlib.ticker import MaxNLocator
 
 from ptl.report.figures import style
-from ptl.report.figures.bands import mean_band
 from ptl.text import number, percent
-from studies.fv_check.jobs import Gains
+from studies.fv_check.page import CLASS, READ_OFF
+from studies.fv_check.readings import PUBLISHED, SHOWN, SUMMARIES
+from studies.fv_check.simulator import MOTIONS, TIES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ptl.config import Statistics
-
-POINTS = 400
-"""Number of points of a curve; more would not be visible."""
-
-
-def gain_frame(gains: Sequence[Gains], statistics: Statistics) -> pd.DataFrame:
-    """Return the plotted numbers.
-
-    Columns name, library, trials (k), gain (mean over seeds of the mean gain over the first k trials), ci_low,
-    ci_high, seeds, published (at the last trial only), confidence.
-    """
-    parts = []
-    for item in gains:
-        trials = item.gain.shape[1]
-        shown = np.unique(np.linspace(1, trials, min(POINTS, trials)).round().astype(int))
-        mean, low, high = mean_band(item.mean_gain[:, shown - 1], statistics.confidence, statistics.resamples)
-        published = np.full(len(shown), np.nan)
-        published[-1] = np.nan if item.library.published is None else item.library.published
-        parts.append(
-            pd.DataFrame(
-                {
-                    "name": item.library.name,
-                    "library": item.library.label,
-                    "trials": shown,
-                    "gain": mean,
-                    "ci_low": low,
-                    "ci_high": high,
-                    "seeds": len(item.gain),
-                    "published": published,
-                    "confidence": statistics.confidence,
-                }
-            )
-        )
-    return pd.concat(parts, ignore_index=True)
+LOOKS = {"trials": "o", "arms": "s"}
+"""Marker of each summary."""
 
 
 @style.styled
-def draw(frame: pd.DataFrame) -> Figure:
-    """Draw the mean gain with its interval for every library; diamonds are the published values."""
-    figure = style.new_figure(style.SLIDE_WIDTH, 6.8)
-    axes = figure.add_subplot()
-    last = float(frame["trials"].max())
-    baseline, _ = style.method_look("no_transfer")
-    colours = iter(style.CATEGORIES)
-    ends = []
-    for name, part in frame.groupby("name", sort=False):
-        colour = baseline if name == "q_learning" else next(colours)
-        axes.fill_between(part["trials"], part["ci_low"], part["ci_high"], color=colour, alpha=0.2, linewidth=0)
-        axes.plot(part["trials"], part["gain"], color=colour)
-        end = part.iloc[-1]
-        if np.isfinite(end["published"]):
-            axes.plot(
-                last,
-                end["published"],
-                "D",
+def draw(frame: pd.DataFrame, confidence: float) -> Figure:
+    """Draw a panel for each library, with a row for each motion and rule for ties; the band is the published value.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As `page.gain_frame` makes it.
+    """
+    figure = style.new_figure(style.SLIDE_WIDTH, 7.2)
+    panels = figure.subplots(1, len(SHOWN), sharey=True, sharex=True)
+    rows = list(frame.groupby(["learner", "motion", "ties"], sort=False).groups)
+    places, labels = _places(rows)
+    for axes, library in zip(panels, SHOWN, strict=True):
+        value = PUBLISHED[library.name]
+        axes.axvspan(value - READ_OFF, value + READ_OFF, color=style.GOAL, alpha=0.18, linewidth=0)
+        axes.axvline(value, color=style.GOAL, linewidth=1.4)
+        for row in frame[frame["library"] == library.name].itertuples():
+            place = places[row.learner, row.motion, row.ties] + 0.14 * (1 if row.summary == "arms" else -1)
+            colour = style.INK if row.learner == CLASS else style.CATEGORIES[list(SUMMARIES).index(row.summary)]
+            low, high = (row.ci_low, row.ci_high) if np.isnan(row.order_low) else (row.order_low, row.order_high)
+            ends = np.array([[row.gain - low], [high - row.gain]])
+            axes.errorbar(
+                row.gain,
+                place,
+                xerr=ends if np.isfinite(ends).all() else None,
+                fmt=LOOKS[row.summary],
                 color=colour,
-                markersize=11,
-                clip_on=False,
-                markeredgecolor="white",
-                zorder=4,
+                markersize=8,
+                linewidth=2.4 if np.isnan(row.order_low) else 1,
             )
-        ends.append((end, colour))
-    top = 1.12 * float(np.nanmax(frame[["gain", "ci_high", "published"]].to_numpy()))
-    _label_ends(axes, ends, last, top)
-    axes.xaxis.set_major_formatter(style.GROUPED)
-    first = frame.iloc[0]
-    axes.set(xlim=(0, last), ylim=(0, top), xlabel="trials", ylabel="mean gain W over the first trials")
-    band = f", {percent(first['confidence'])} interval" if frame["ci_low"].notna().any() else ""
-    handles = [
-        axes.plot([], [], color=style.INK, label=f"this package: mean of {first['seeds']} seeds{band}")[0],
-        axes.plot([], [], "D", color=style.INK, markersize=9, label="published, read off a figure")[0],
-    ]
-    axes.legend(handles=handles, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        axes.set_title(f"{library.label}\npublished {number(value)}")
+        axes.grid(visible=False, axis="y")
+    panels[0].set_yticks(range(len(labels)), labels)
+    panels[0].tick_params(axis="y", length=0)
+    panels[0].set(ylim=(len(labels) - 0.5, -0.5))
+    panels[0].set_xlim(left=0)
+    panels[0].xaxis.set_major_locator(MaxNLocator(4))
+    panels[1].set_xlabel("mean gain W")
+    shown = f", {percent(confidence)} interval" if frame["ci_low"].notna().any() else ""
+    handles = [panels[0].plot([], [], "o", color=style.INK, markersize=8, label="this package's class")[0]]
+    for colour, (name, (label, _)) in zip(style.CATEGORIES, SUMMARIES.items(), strict=False):
+        handles += panels[0].plot([], [], LOOKS[name], color=colour, markersize=8, label=f"{label}{shown}")
+    handles.append(panels[0].axvspan(np.nan, np.nan, color=style.GOAL, alpha=0.3, label=f"published ± {READ_OFF}"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
     return figure
 
 
-def _label_ends(axes, ends: list, last: float, top: float) -> None:
-    """Write the names of the curves to their right, moved apart where they would touch."""
-    gap = 0.125 * top
-    ends = sorted(ends, key=lambda item: item[0]["gain"])
-    heights = np.array([float(end["gain"]) for end, _ in ends])
-    places = heights.copy()
-    for _ in range(200):
-        for index in range(1, len(places)):
-            overlap = gap - (places[index] - places[index - 1])
-            if overlap > 0:
-                places[index] += overlap / 2
-                places[index - 1] -= overlap / 2
-    for (end, colour), place in zip(ends, places, strict=True):
-        text = f"{end['library']}\n{number(end['gain'])}"
-        if np.isfinite(end["published"]):
-            text += f" (published {number(end['published'])})"
-        axes.annotate(
-            text,
-            (last, float(end["gain"])),
-            (last * 1.035, place),
-            textcoords="data",
-            color=colour,
-            va="center",
-            fontsize=14,
-            annotation_clip=False,
-            fontweight="bold",
-            linespacing=1.25,
-            arrowprops={"arrowstyle": "-", "color": colour, "linewidth": 1, "shrinkA": 2, "shrinkB": 8},
-        )
+def _places(rows: Iterable[tuple[str, str, str]]) -> tuple[dict[tuple[str, str, str], int], list[str]]:
+    """Return the height of each row, and the labels of all heights: those of one motion stand under a heading."""
+    places: dict[tuple[str, str, str], int] = {}
+    labels: list[str] = []
+    before = None
+    for learner, motion, ties in rows:
+        if (learner, motion) != before:
+            who = "this package's class" if learner == CLASS else "simulator"
+            labels.append(f"{who}, {MOTIONS[motion].label}")
+        before = learner, motion
+        places[learner, motion, ties] = len(labels)
+        labels.append(TIES[ties])
+    return places, labels

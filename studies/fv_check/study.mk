@@ -4,6 +4,6 @@ SNAKEFILES += studies/fv_check/Snakefile
 
 .PHONY: fv-check
 
-fv-check: build  ## Policy reuse in the experiment of its authors: reports/fv_check/ (a minute).
+fv-check: build  ## Policy reuse in the experiment of its authors: reports/fv_check/ (two minutes).
 	$(SNAKEMAKE) --snakefile studies/fv_check/Snakefile
 	@.venv/bin/ptl verify reports/fv_check --against published --exit-zero

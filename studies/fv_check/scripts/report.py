@@ -1,4 +1,4 @@
-"""The gain of policy reuse in the experiment of its authors, as a table and as a figure."""
+"""The gain of policy reuse in the experiment of its authors under each reading, as a table and as a figure."""
 
 from pathlib import Path
 
@@ -7,13 +7,14 @@ from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
 from studies.fv_check import figure, page
-from studies.fv_check.jobs import gains_of
+from studies.fv_check.jobs import gains_of, readings_of
 
 with running(snakemake) as script:
     statistics = script.groups.statistics
-    gains = gains_of(script.results(script.input))
-    frame = page.gain_frame(gains, Resampling(statistics.confidence, statistics.resamples))
-    table = page.gain_table(frame, statistics.confidence, script.jobs[0].library_trials)
+    results = script.results(script.input)
+    gains = gains_of(results)
+    frame = page.gain_frame(gains, readings_of(results), Resampling(statistics.confidence, statistics.resamples))
+    job = gains[0].job
+    table = page.gain_table(frame, job.trials, job.library_trials, statistics.confidence)
     write(table, Path(script.output.page), frame)
-    curves = figure.gain_frame(gains, statistics)
-    saving.save(figure.draw(curves), curves, script.output.png)
+    saving.save(figure.draw(frame, statistics.confidence), frame, script.output.png)
