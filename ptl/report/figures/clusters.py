@@ -82,9 +82,11 @@ def draw(world: GridWorld, frame: pd.DataFrame) -> Figure:
     axes.add_collection(LineCollection(list(place[moves]), colors=style.RULE, linewidths=1.4, zorder=1))
     area = SMALLEST + (LARGEST - SMALLEST) * frame["metric"] / frame["metric"].max()
     colours = [style.MUTED if pd.isna(number) else COLOURS[number] for number in frame["cluster"]]
-    axes.scatter(*place.T, s=area, c=colours, edgecolors=style.INK, linewidths=0.8, zorder=2)
+    axes.scatter(place[:, 0], place[:, 1], s=area, c=colours, edgecolors=style.INK, linewidths=0.8, zorder=2)
     subgoal = place[frame["subgoals"].idxmax()]
-    axes.scatter(*subgoal, s=LARGEST * 2.2, facecolors="none", edgecolors=style.GOAL, linewidths=3, zorder=3)
+    axes.scatter(
+        subgoal[0], subgoal[1], s=LARGEST * 2.2, facecolors="none", edgecolors=style.GOAL, linewidths=3, zorder=3
+    )
     axes.annotate(
         "subgoal", subgoal, (SIZE + 1, subgoal[1] + 1.65), color=style.GOAL, ha="center", fontsize=13,
         fontweight="bold",
