@@ -408,7 +408,7 @@ def test_degrees_of_a_setting_and_the_ledger(verdicts: pd.DataFrame) -> None:
     ledger = shares.ledger(drawn, printed, "reference", 0.95)
     assert tuple(ledger.columns) == shares.LEDGER_COLUMNS
     assert len(ledger) == len(JUDGED)
-    table = page.ledger_table(ledger)
+    table = page.ledger_table(ledger, 12)
     assert len(table.groups[0].rows) == len(JUDGED)
 
 
