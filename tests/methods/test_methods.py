@@ -32,7 +32,8 @@ class NotingLearner:
         self.calls.append(("explore", budget, epsilon))
         self.remaining -= 1
 
-    def follow(self, policy, subgoal):
+    def follow(self, policy, subgoal, budget):
+        assert budget == len(policy)  # a lead ends after as many steps as there are states
         self.calls.append(("follow", subgoal))
 
     def reuse(self, policy, psi, decay):

@@ -123,9 +123,9 @@ class Watched:
     def __getattr__(self, name: str) -> Any:
         return getattr(self.learner, name)
 
-    def follow(self, policy: np.ndarray, subgoal: int) -> None:
+    def follow(self, policy: np.ndarray, subgoal: int, budget: int) -> None:
         self.events.append((self.learner.state, len(set(self.learner.values_of(self.learner.state)))))
-        self.learner.follow(policy, subgoal)
+        self.learner.follow(policy, subgoal, budget)
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
