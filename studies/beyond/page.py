@@ -53,6 +53,9 @@ RIVALS = (
 )  # fmt: skip
 """Baselines without skills."""
 
+OPTIONS = ("options_smdp", "options_intra")
+"""Skills as options, without a selection of their own."""
+
 OURS = ("ptl_path_prior", "ptl_frontier", "ptl_frontier_path", "frontier_only")
 """Proposals of ours and their control."""
 
@@ -77,6 +80,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "ptl_goal": (COORDINATES, "for skills", SKILLS),
     "ptl_farthest": (COORDINATES, "for skills", SKILLS),
     "ptl_covering": (COORDINATES, "for skills", SKILLS),
+    **{name: (NOTHING, "for skills", SKILLS) for name in OPTIONS},
     "all_goals": (COORDINATES, "for skills", TRANSITIONS),
     "ptl_path_prior": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
     "ptl_frontier": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),

@@ -1,0 +1,124 @@
+"""Options to the subgoals of the FD metric, learned about by SMDP Q-learning (Sutton, Precup and Singh, 1999)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ptl.agent._kernel import Learner
+from ptl.agent.skills import Skill, SkillLibrary
+from ptl.config import Parameters
+from ptl.methods._base import BaseMethod
+from ptl.world.gridworld import GridWorld
+
+N_ACTIONS = 4
+BLOCK = 1024
+"""Random numbers drawn at a time."""
+
+
+def initiation_set(option: Skill) -> np.ndarray:
+    """Return the states in which an option can be chosen, bool (n_states,)."""
+    assert option.initiation is not None  # the library keeps these sets
+    return option.initiation & (option.policy >= 0)
+
+
+class Method(BaseMethod):
+    """Q-learning over the four actions and the skills of `ptl`, which are options here; Q = 0 in each task.
+
+    R. Sutton, D. Precup, S. Singh, Artificial Intelligence 112, 1999; over the subgoals of the FD metric: R. Kretchmar,
+    T. Feil, R. Bansal, 2003. An option is a skill: it can be chosen in the states before its subgoal on the paths that
+    taught it (A. McGovern, A. Barto, ICML 2001), and lasts until its subgoal, or to the goal. After k steps of an
+    option from s to s',
+
+        Q(s, o) += alpha (r + gamma^k max Q(s', .) - Q(s, o)),
+
+    with r = gamma^(k - 1) and no bootstrap at the goal; steps inside of an option teach nothing else. Actions and
+    options are chosen epsilon-greedily among all that the state has, with random ties. When skills are added, and
+    where, is as in `ptl`.
+
+    Two rules are ours and in the options' favour. A state on no path before the subgoal does not offer the option, and
+    after as many steps of an episode as there are states only actions are chosen: where nothing is known, an option that
+    is drawn as often as an action leads a random walk back to its subgoal again and again, and a goal that lies aside of
+    the options is then hardly ever found.
+
+    Knows nothing of the goal.
+
+    Attributes
+    ----------
+    values : list of lists of float
+        Q of the actions and then of the options of each state, -inf where an option cannot be chosen.
+    """
+
+    label = "Options, SMDP Q-learning"
+    colour = "#f781bf"
+
+    def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
+        super().__init__(world, parameters, random)
+        subgoals = parameters.subgoals
+        self.library: SkillLibrary = SkillLibrary(subgoals.novelty, subgoals.threshold, initiation_sets=True)
+        self._drawn: list[float] = []
+
+    def begin_task(self, start: int, goal: int) -> np.ndarray | None:
+        self.goal = goal
+        self.options: list[Skill] = list(self.library)
+        values = np.zeros((self.world.n_states, N_ACTIONS + len(self.options)))
+        for number, option in enumerate(self.options, N_ACTIONS):
+            values[~initiation_set(option), number] = -np.inf
+        self.values: list[list[float]] = values.tolist()
+        return None
+
+    def run_episode(self, learner: Learner) -> list[int]:
+        taken = []
+        state, goal = learner.state, self.goal
+        while not (state == goal or learner.truncated):
+            choice = self.choose(state, N_ACTIONS if learner.steps >= self.world.n_states else None)
+            if choice < N_ACTIONS:
+                state = self.act(learner, state, choice)
+            else:
+                taken.append(choice - N_ACTIONS + 1)
+                state = self.take(learner, state, choice)
+        return taken
+
+    def choose(self, state: int, end: int | None = None) -> int:
+        """Return the number of an action, or 4 + i for option i, epsilon-greedily among those that the state has.
+
+        Parameters
+        ----------
+        end : int, optional
+            Only numbers below it.
+        """
+        row = self.values[state][:end]
+        if self._uniform() < self.parameters.learning.epsilon:
+            among = [choice for choice, value in enumerate(row) if value > -np.inf]
+        else:
+            best = max(row)
+            if row.count(best) == 1:
+                return row.index(best)
+            among = [choice for choice, value in enumerate(row) if value == best]
+        return among[int(self._uniform() * len(among))]
+
+    def act(self, learner: Learner, state: int, action: int) -> int:
+        """Take an action and learn about it; return the state after it."""
+        after = learner.act(action, learn=False)
+        self.learn(state, action, after, 1)
+        return after
+
+    def take(self, learner: Learner, state: int, choice: int) -> int:
+        """Take an option to its end and learn about it; return the state after it."""
+        option, before = self.options[choice - N_ACTIONS], learner.steps
+        learner.follow(option.policy, option.subgoal)
+        self.learn(state, choice, learner.state, learner.steps - before)
+        return learner.state
+
+    def learn(self, state: int, choice: int, after: int, steps: int) -> None:
+        """Update Q of an action or option that led from a state to another in some steps."""
+        gamma, row = self.parameters.learning.gamma, self.values[state]
+        target = gamma ** (steps - 1) if after == self.goal else gamma**steps * max(self.values[after])
+        row[choice] += self.parameters.learning.alpha * (target - row[choice])
+
+    def end_task(self, learner: Learner) -> None:
+        learner.set_q(np.array(self.values)[:, :N_ACTIONS])
+
+    def _uniform(self) -> float:
+        if not self._drawn:
+            self._drawn = self.random.random(BLOCK).tolist()
+        return self._drawn.pop()
