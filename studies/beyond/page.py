@@ -80,7 +80,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "ptl_goal": (COORDINATES, "for skills", SKILLS),
     "ptl_farthest": (COORDINATES, "for skills", SKILLS),
     "ptl_covering": (COORDINATES, "for skills", SKILLS),
-    **{name: (NOTHING, "for skills", SKILLS) for name in OPTIONS},
+    **dict.fromkeys(OPTIONS, (NOTHING, "for skills", SKILLS)),
     "all_goals": (COORDINATES, "for skills", TRANSITIONS),
     "ptl_path_prior": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
     "ptl_frontier": (COORDINATES, "for skills", f"{SKILLS}, {TRANSITIONS}"),
@@ -215,10 +215,10 @@ def _verdicts(comparisons: Mapping[str, AgainstPTL], names: Sequence[str], looks
 
 
 def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
-    names = [name for name in (NO_TRANSFER, *RIVALS) if name in comparisons]
+    names = [name for name in (NO_TRANSFER, *RIVALS, *OPTIONS) if name in comparisons]
     names += [name for name in comparisons if name not in KNOWLEDGE]
     lines = [f"{looks[name].label}: {comparisons[name].text}." for name in names]
-    certain = [name for name in names if KNOWLEDGE.get(name, ("", ""))[1] == CERTAIN and comparisons[name].less]
+    certain = [name for name in names if KNOWLEDGE.get(name, ())[:2] == (NOTHING, CERTAIN) and comparisons[name].less]
     if certain:
         verb = "rely" if len(certain) > 1 else "relies"
         lines.append(
@@ -231,7 +231,7 @@ def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -
 
 def _parts(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
     finders = [name for name in FINDERS if name in comparisons]
-    others = [name for name in ("ptl_supervised", "all_goals", *OURS) if name in comparisons]
+    others = [name for name in (*READINGS, "ptl_supervised", "all_goals", *OURS) if name in comparisons]
     lines = [f"{looks[name].label}: {comparisons[name].text}." for name in (*finders, *others)]
     if "ptl_frontier" in comparisons and "frontier_only" in comparisons:
         both, alone = (comparisons[name].ratios.set_index("family") for name in ("ptl_frontier", "frontier_only"))

@@ -35,10 +35,10 @@ class Method(BaseMethod):
     options are chosen epsilon-greedily among all that the state has, with random ties. When skills are added, and
     where, is as in `ptl`.
 
-    Two rules are ours and in the options' favour. A state on no path before the subgoal does not offer the option, and
-    after as many steps of an episode as there are states only actions are chosen: where nothing is known, an option that
-    is drawn as often as an action leads a random walk back to its subgoal again and again, and a goal that lies aside of
-    the options is then hardly ever found.
+    Two rules are ours and favour the options. A state on no path before the subgoal does not offer the option, and once
+    an episode has had as many steps as there are states, only actions are chosen. Where nothing is known, options are
+    drawn as often as actions, lead a random walk back to their subgoals again and again, and a goal aside of them is
+    hardly ever found.
 
     Knows nothing of the goal.
 
