@@ -43,7 +43,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
     per_task: Annotated[Number, Meta(description="skills added after each task, 0 for the method as it is")] = 0
 
     TITLE = "Lives of the second study"
-    READS = ("learning", "skills", "subgoals", "policy_reuse")
+    READS = ("learning", "skills", "subgoals", "policy_reuse", "full_transfer")
     ARRAYS = {  # noqa: RUF012
         "steps": Array("int64", ("m", "s", "t"), "steps of all episodes of each task", 0),
         "first": Array("int64", ("m", "s", "t"), "steps of the first episode", 0),

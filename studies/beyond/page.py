@@ -214,11 +214,17 @@ def _verdicts(comparisons: Mapping[str, AgainstPTL], names: Sequence[str], looks
     return _sentence("; ".join(filter(None, parts)))
 
 
+def _is_told_less(name: str) -> bool:
+    """Return whether a method relies on certain moves and is not told where the goal lies."""
+    goal, moves, _ = KNOWLEDGE.get(name, ("", "", ""))
+    return moves == CERTAIN and COORDINATES not in goal
+
+
 def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
     names = [name for name in (NO_TRANSFER, *RIVALS, *OPTIONS) if name in comparisons]
     names += [name for name in comparisons if name not in KNOWLEDGE]
     lines = [f"{looks[name].label}: {comparisons[name].text}." for name in names]
-    certain = [name for name in names if KNOWLEDGE.get(name, ())[:2] == (NOTHING, CERTAIN) and comparisons[name].less]
+    certain = [name for name in names if _is_told_less(name) and comparisons[name].less]
     if certain:
         verb = "rely" if len(certain) > 1 else "relies"
         lines.append(

@@ -77,7 +77,7 @@ def test_what_our_proposal_owes_to_the_library(alone, owed):
 
 
 def test_every_method_says_what_it_may_know():
-    own = {*our_methods.names(), "no_transfer", "ptl", "ptl_supervised"}
+    own = {*our_methods.names(), "no_transfer", "full_transfer", "policy_reuse", "ptl", "ptl_supervised"}
     assert own == set(page.KNOWLEDGE)
     looks = page.looks_of(STUDY, ["mine", "ptl", "yours"])
     assert [looks[name].label for name in ("ptl", "mine", "yours")] == ["PTL", "Mine", "Yours"]
