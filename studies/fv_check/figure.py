@@ -57,6 +57,8 @@ def draw(frame: pd.DataFrame, confidence: float) -> Figure:
         axes.grid(visible=False, axis="y")
     panels[0].set_yticks(range(len(labels)), labels)
     panels[0].tick_params(axis="y", length=0)
+    for place in set(range(len(labels))) - set(places.values()):
+        panels[0].get_yticklabels()[place].set_fontweight("bold")
     panels[0].set(ylim=(len(labels) - 0.5, -0.5))
     panels[0].set_xlim(left=0)
     panels[0].xaxis.set_major_locator(MaxNLocator(4))

@@ -164,8 +164,9 @@ def order_sentence(frame: pd.DataFrame) -> str:
     parts = [f"{number(reach[library.name], 2)} for {library.label}" for library in SHOWN]
     return (
         f"The order of the actions matters as well: over the {len(ORDERS['first_any'])} orders, with"
-        f" {over['runs'].iloc[0]} runs in all, the gain moves by up to {', '.join(parts)}. East, north, south, west is one"
-        " of the orders and was known to come near the published values, so a reading with it is fitted to them in part."
+        f" {over['runs'].iloc[0]} runs in all, the gain moves by up to {', '.join(parts)}. East, north, south, west is"
+        " one of the orders and was known to come near the published values, so a reading with it is fitted to them in"
+        " part."
     )
 
 
@@ -223,9 +224,9 @@ def gain_table(frame: pd.DataFrame, trials: int, library_trials: int, confidence
     columns = [Column("gain", is_text=True), *(Column(library.label) for library in SHOWN), Column("values within")]
     runs = ", ".join(f"{part['runs'].iloc[0]} ({name})" for name, part in frame.groupby("learner", sort=False))
     intro = (
-        f"Mean gain W of {number(trials)} trials on their task Ω (goal {NEW_TASK} of environment 3); random starts, at most"
-        f" {MAX_STEPS} steps a trial. Below a gain is its {percent(confidence)} interval, or the range of the means of all"
-        f" orders of the actions. Runs with each library: {runs}."
+        f"Mean gain W of {number(trials)} trials on their task Ω (goal {NEW_TASK} of environment 3); random starts, at"
+        f" most {MAX_STEPS} steps a trial. Below a gain is its {percent(confidence)} interval, or the range of the means"
+        f" of all orders of the actions. Runs with each library: {runs}."
     )
     title = "Policy reuse in the experiment of Fernandez and Veloso"
     return Table(title, intro, "greedy action taken", columns, groups, notes, group_heading="robot")
