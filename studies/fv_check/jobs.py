@@ -107,9 +107,11 @@ class Trials(Job, frozen=True, kw_only=True, tag="trials/1"):
 
 @register
 class Readings(Job, frozen=True, kw_only=True, tag="readings/1"):
-    """Trials on the new task under one reading of the motion: $c$ rules for ties, $l$ libraries, $s$ runs, $a$ arms."""
+    """Trials under one reading of the motion: $c$ rules for ties, $l$ libraries, $s$ runs, $a$ arms, $p$ past tasks."""
 
-    motion: Annotated[Literal["exact", "noisy", "noisy_end"], Meta(description="how the robot moves")]
+    motion: Annotated[
+        Literal["exact", "noisy", "noisy_end"], Meta(description="how the robot moves: exact, noisy or noisy_end")
+    ]
     runs: Annotated[Positive, Meta(description="runs with each library and each rule for ties")]
     trials: Annotated[Positive, Meta(description="trials on the new task")]
 
@@ -122,7 +124,10 @@ class Readings(Job, frozen=True, kw_only=True, tag="readings/1"):
         ),
         "arm_trials": Array("int64", ("c", "l", "s", "a"), "trials of each arm; 0 for arms that a library lacks", 0),
         "policy_quality": Array(
-            "float64", ("c", "p"), "mean gain of each past policy in its own task, relative to the exact optimum", 0
+            "float64",
+            ("c", "p"),
+            "mean gain of each past policy in its own task, relative to the optimum without noise",
+            0,
         ),
     }
 

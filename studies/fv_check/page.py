@@ -225,8 +225,8 @@ def gain_table(frame: pd.DataFrame, trials: int, library_trials: int, confidence
     runs = ", ".join(f"{part['runs'].iloc[0]} ({name})" for name, part in frame.groupby("learner", sort=False))
     intro = (
         f"Mean gain W of {number(trials)} trials on their task Ω (goal {NEW_TASK} of environment 3); random starts, at"
-        f" most {MAX_STEPS} steps a trial. Below a gain is its {percent(confidence)} interval, or the range of the means"
-        f" of all orders of the actions. Runs with each library: {runs}."
+        f" most {MAX_STEPS} steps a trial. Below a gain is its {percent(confidence)} interval, or the range of the"
+        f" means of all orders of the actions. Runs with each library: {runs}."
     )
     title = "Policy reuse in the experiment of Fernandez and Veloso"
     return Table(title, intro, "greedy action taken", columns, groups, notes, group_heading="robot")
