@@ -14,21 +14,26 @@ from ptl.files.store import Result
 from ptl.files.tables import check_numbers, read_table
 from studies.beyond.design import SecondStudy
 from studies.beyond.jobs import LivesOnMaps
+from studies.beyond.lives import NO_CHANGE
 from studies.beyond.maps import MAIN
 from studies.beyond.methods import reference
 from studies.beyond.population import read_population
 
-KEYS = ("family", "map", "size", "sequence", "method", "per_task", "seed")
+KEYS = ("family", "map", "size", "sequence", "slip", "change", "method", "per_task", "seed")
 TASK_COLUMNS = (
     *KEYS, "task", "steps", "first_episode", "optimum", "truncated", "library_size", "states", "winding",
 )  # fmt: skip
-"""``task`` counts from 1; ``optimum`` is episodes x shortest path; ``library_size`` is that after the task."""
+"""``task`` counts from 1; ``optimum`` is episodes x expected steps of the best policy, the shortest path where nothing
+slips; ``library_size`` is that after the task."""
 
-TEXTS = ("family", "map", "sequence")
+TEXTS = ("family", "map", "sequence", "change")
 """Columns whose values are text, in addition to those of `ptl.files.tables`."""
 
 LIFE_COLUMNS = ("family", "map", "size", "sequence", "method", "seed", "total_steps", "optimum", "library_size")
 """Columns of ``per_life.csv``: steps and optimum are those of the tasks after the first."""
+
+HARDER_COLUMNS = ("family", "map", "size", "slip", "change", "method", "seed", "total_steps", "optimum", "library_size")
+"""Columns of ``per_life_harder.csv``, of worlds that slip or change."""
 
 
 def per_task(results: Iterable[Result]) -> pd.DataFrame:
@@ -53,13 +58,15 @@ def _rows(job: LivesOnMaps, arrays: Mapping[str, np.ndarray]) -> pd.DataFrame:
             "map": np.array(job.places, dtype=object)[of_map],
             "size": job.size or arrays["states"][of_map],
             "sequence": job.sequence,
+            "slip": job.slip,
+            "change": job.change,
             "method": job.method,
             "per_task": job.per_task,
             "seed": of_seed,
             "task": of_task + 1,
             "steps": arrays["steps"].ravel(),
             "first_episode": arrays["first"].ravel(),
-            "optimum": (job.settings.learning.episodes * arrays["shortest"])[of_map, of_task],
+            "optimum": (job.settings.learning.episodes * arrays["optimum"])[of_map, of_task],
             "truncated": arrays["truncated"].ravel(),
             "library_size": arrays["library_size"].ravel(),
             "states": arrays["states"][of_map],
@@ -74,16 +81,36 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 
     The first task is the same for all methods that need a library or a memory, which is empty then.
     """
+    lives = _lives(tasks[certain(tasks)])
+    return lives.astype({"optimum": "int64"})[list(LIFE_COLUMNS)]  # sums of shortest paths
+
+
+def per_life_harder(tasks: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each life in a world that slips or changes, columns `HARDER_COLUMNS`, as `per_life`."""
+    return _lives(tasks[~certain(tasks)])[list(HARDER_COLUMNS)]
+
+
+def certain(tasks: pd.DataFrame) -> pd.Series:
+    """Return which rows are of worlds that neither slip nor change, bool."""
+    return (tasks["slip"] == 0) & (tasks["change"] == NO_CHANGE)
+
+
+def _lives(tasks: pd.DataFrame) -> pd.DataFrame:
     later = tasks[(tasks["task"] > 1) & (tasks["per_task"] == 0)]
     grouped = later.groupby([name for name in KEYS if name != "per_task"], sort=False)
     return grouped.agg(
         total_steps=("steps", "sum"), optimum=("optimum", "sum"), library_size=("library_size", "last")
-    ).reset_index()[list(LIFE_COLUMNS)]
+    ).reset_index()
 
 
 def read_tasks(path: str | Path) -> pd.DataFrame:
     """Read the table of `per_task` back."""
     return read_table(path, TASK_COLUMNS, texts=TEXTS).astype({"task": int})  # a number here, a letter elsewhere
+
+
+def read_harder(path: str | Path) -> pd.DataFrame:
+    """Read the table of `per_life_harder` back."""
+    return read_table(path, HARDER_COLUMNS, texts=TEXTS)
 
 
 def read_lives(path: str | Path) -> pd.DataFrame:

@@ -15,9 +15,12 @@ from ptl.keys import ConfigurationError, Group, key, repeated
 from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.mazes import FAMILIES
+from studies.beyond.changes import RULES
 from studies.beyond.maps import MAIN, SEQUENCES
 from studies.beyond.methods import module_of, reference
 from studies.beyond.population import BANDS, MAPS, SIZE
+
+Slip = Annotated[float, key("", gt=0, le=1)]
 
 ARTICLE = "article"
 """Sequence of the article's maps, whose goals are given."""
@@ -44,6 +47,18 @@ class LibrarySizes(Group, frozen=True, kw_only=True):
     methods: Annotated[list[str], key("Variants of PTL.", wanted="a list of methods")] = []  # noqa: RUF012
     per_task: Annotated[list[int], key("Skills added after each task.", wanted="a list of whole numbers")] = []  # noqa: RUF012
     maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+
+
+class Harder(Group, frozen=True, kw_only=True):
+    """Worlds in which a remembered model may be wrong: steps slip, or the map changes between tasks."""
+
+    slips: Annotated[
+        list[Slip], key("Probabilities of a slip, each a world of its own.", wanted="a list of numbers")
+    ] = []  # noqa: RUF012
+    changes: Annotated[list[str], key("Rules by which maps change.", wanted="a list of names")] = []  # noqa: RUF012
+    methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+    article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 10
 
 
 class Shown(Group, frozen=True, kw_only=True):
@@ -93,6 +108,7 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
     ] = []  # noqa: RUF012
     sequences: Sequences = Sequences()
     library_sizes: LibrarySizes = LibrarySizes()
+    harder: Harder = Harder()
     explorer: Shown = Shown()
     batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
     statistics: Statistics = Statistics()
@@ -104,6 +120,8 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
             ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s != MAIN]),
             ("sequences.methods", self.sequences.methods, self.methods),
             ("library_sizes.methods", self.library_sizes.methods, self.methods),
+            ("harder.changes", self.harder.changes, RULES),
+            ("harder.methods", self.harder.methods, self.methods),
             ("explorer.methods", self.explorer.methods, self.methods),
         ):
             for value in given:
@@ -153,6 +171,11 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         return study
 
     @property
+    def is_harder(self) -> bool:
+        """Whether methods are compared in worlds that slip or change."""
+        return bool(self.harder.methods and (self.harder.slips or self.harder.changes))
+
+    @property
     def modules(self) -> list[str]:
         """Modules of the package that give the methods their names and colours."""
         return [name for method in self.methods if (name := module_of(method))]
@@ -176,13 +199,17 @@ def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
     lived : iterable of str
         Families with lives of other programs.
     """
-    tables, numbers = ("costs", "ratios", "improvement", "components"), ("winding_trends", "sequences")
+    tables, numbers = ["costs", "ratios", "improvement", "components"], ["winding_trends", "sequences"]
     figures = ["overview", "profiles", "tasks"]
     sizes = study.library_sizes
     if sizes.methods and sizes.per_task and (study.families or study.article_maps or study.moving_ai):
         figures.append("library_size")
     if study.families and (study.methods or {*lived} & {*study.families}):
         figures.append("winding")
+    if study.is_harder:
+        tables.append("harder")
+        numbers.append("per_life_harder")
+        figures.append("slips")
     return [
         *(f"{name}.{kind}" for name in tables for kind in ("csv", "html", "md")),
         *(f"{name}.{kind}" for name in figures for kind in ("csv", "png", "svg")),

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ptl.report.figures import style
+from studies.beyond.lives import NO_CHANGE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -155,6 +156,39 @@ def library_size(frame: pd.DataFrame, costs: pd.DataFrame, looks: Mapping[str, L
         _cost_axis(ax, "y", 1.0, frame["cost"].max())
     _label_sides(grid, families, "skills in the library", "cost, × optimum")
     _legend(figure, axes[families[0]], 3)
+    return figure
+
+
+@style.styled
+def slips(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw the cost of methods in each world: a curve over the slips, points where the map changes.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As `harder_costs` makes it.
+    """
+    families = [family for family in titles if family in set(frame["family"])]
+    worlds = list(dict.fromkeys(frame["world"]))
+    changed = set(frame.loc[frame["change"] != NO_CHANGE, "world"])
+    shown = [method for method in looks if method in set(frame["method"])]
+    figure, axes, grid = _panels(families, 3.2, titles, legend=0.35 * -(-len(shown) // 4) + 0.9)
+    slipping = [place for place, world in enumerate(worlds) if world not in changed]
+    for family, ax in axes.items():
+        for shift, method in zip(np.linspace(-0.18, 0.18, len(shown)), shown, strict=True):
+            part = frame[(frame["family"] == family) & (frame["method"] == method)].set_index("world").reindex(worlds)
+            places, look = np.arange(len(worlds)) + shift, looks[method]
+            ax.vlines(places, part["low"], part["high"], color=look.colour, linewidth=2, alpha=0.5)
+            ax.plot(places, part["cost"], "o", color=look.colour, markersize=5)
+            ax.plot(
+                places[slipping], part["cost"].iloc[slipping], color=look.colour, label=look.label, linewidth=1.6,
+                linestyle="--" if look.dashed else "-",
+            )  # fmt: skip
+        _cost_axis(ax, "y", 1.0, float(frame[["cost", "high"]].max().max()))
+        ax.set_xticks(range(len(worlds)), worlds, rotation=35, ha="right", fontsize=12)
+        ax.grid(axis="x", visible=False)
+    _label_sides(grid, families, "", "cost, × optimum")
+    _legend(figure, axes[families[0]])
     return figure
 
 

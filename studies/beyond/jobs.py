@@ -16,7 +16,7 @@ from ptl.files.outside import learning_code
 from ptl.files.provenance import LEARNING
 from ptl.world.gridworld import GridWorld
 from ptl.world.mazes import FAMILIES
-from studies.beyond.lives import lives_on_maps, variant
+from studies.beyond.lives import NO_CHANGE, lives_on_maps, variant
 from studies.beyond.maps import SEQUENCES, checked_map
 
 LIVES = "studies.beyond.lives"
@@ -24,7 +24,7 @@ LIVES = "studies.beyond.lives"
 
 
 @register
-class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
+class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/2"):
     """Lives of one method on some maps of a family: $m$ maps, $s$ lives on each, $t$ tasks.
 
     Generated maps are made anew; ``maps`` has the digest of each, with increasing tasks, by its seed. A given map is an
@@ -41,6 +41,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
     method: Annotated[Word, Meta(description="identifier of the method")]
     reference: Annotated[str, Meta(description="where the method is, see `ptl.methods`")]
     per_task: Annotated[Number, Meta(description="skills added after each task, 0 for the method as it is")] = 0
+    change: Annotated[Word, Meta(description="rule by which a map changes between tasks, or none")] = NO_CHANGE
 
     TITLE = "Lives of the second study"
     READS = ("learning", "skills", "subgoals", "policy_reuse", "full_transfer")
@@ -50,6 +51,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         "truncated": Array("int64", ("m", "s", "t"), "episodes that hit the step limit", 0, "e"),
         "library_size": Array("int64", ("m", "s", "t"), "skills in the library after the task", 0),
         "shortest": Array("int64", ("m", "t"), "shortest path of each task", 1),
+        "optimum": Array("float64", ("m", "t"), "expected steps of the best policy of each task", 1),
         "states": Array("int64", ("m",), "states of the map", 2),
         "winding": Array("float64", ("m",), "mean over the goals of shortest path / straight line", 1),
     }
@@ -63,7 +65,8 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
     def place(self) -> str:
         """Path of the file below results/<run>/."""
         method = self.method + (f"_x{self.per_task}" if self.per_task else "")
-        return f"lives/{self.family}_{self.size}_{self.sequence}/{method}/{self.places[0]}.h5"
+        harder = f"_slip{self.slip:g}" * bool(self.slip) + f"_{self.change}" * (self.change != NO_CHANGE)
+        return f"lives/{self.family}_{self.size}_{self.sequence}{harder}/{method}/{self.places[0]}.h5"
 
     def sources(self) -> str | None:
         """Return the digest of the present sources; None for a method that only an import would find."""
@@ -82,7 +85,9 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
         names = (self.family, self.size, self.sequence)
         made = ((self._name(place), self._world(place, worlds)) for place in watch(self.places))
         with methods.reporting_errors_of(self.reference):
-            return lives_on_maps(made, self.tasks, kind, self.settings, self.root_seed, self.seeds, *names)
+            return lives_on_maps(
+                made, self.tasks, kind, self.settings, self.root_seed, self.seeds, *names, change=self.change
+            )
 
     def sizes(self, worlds: Worlds) -> dict[str, int]:
         """Return the numbers of maps, lives, tasks and episodes."""
@@ -99,7 +104,9 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
                 yield f"{name}: a task took more steps than learning.max_steps ({learning.max_steps}) allows"
         for world in worlds.values():
             paths = [world.shortest_path_length(world.start, world.goal(letter)) for letter in self.tasks]
-            if arrays["shortest"].tolist() != [paths] or arrays["states"].tolist() != [world.n_states]:
+            if (self.change == NO_CHANGE and arrays["shortest"].tolist() != [paths]) or arrays["states"].tolist() != [
+                world.n_states
+            ]:
                 yield "its shortest paths or its number of states are not those of its map"
 
     def _name(self, place: str) -> str | int:
@@ -113,4 +120,4 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/1"):
             return worlds[place]
         if self.family not in FAMILIES or self.sequence not in SEQUENCES:
             raise UserError(f"job: there are no maps of the family {self.family!r} with {self.sequence!r} tasks")
-        return checked_map(self.family, self.size, int(place), self.maps[place], self.sequence)
+        return checked_map(self.family, self.size, int(place), self.maps[place], self.sequence).with_slip(self.slip)

@@ -13,6 +13,7 @@ from ptl.errors import UserError
 from ptl.learning.life import Task, learn_life, tasks_of
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
+from ptl.world.optimum import optimal_steps
 from studies.beyond.changes import changing_worlds
 from studies.beyond.maps import winding
 from studies.beyond.methods._sized import sized
@@ -63,6 +64,7 @@ def lives_on_maps(
     root_seed: int,
     seeds: int,
     *stream_names: str | int,
+    change: str = NO_CHANGE,
 ) -> dict[str, np.ndarray]:
     """Learn the tasks of each map with one method, ``seeds`` lives on each.
 
@@ -74,26 +76,31 @@ def lives_on_maps(
         Goals in the order in which they are learned.
     stream_names : str or int
         First names of the random streams, followed by those of the map and of the life.
+    change : str
+        See `tasks_in`; the changes are those of a map, whatever the method, the life and the slip.
 
     Returns
     -------
     dict of arrays
         int64 (maps, seeds, tasks): ``steps`` of all episodes, ``first`` (steps of the first episode), ``truncated``
         (number of episodes) and ``library_size`` after the task; int64 (maps, tasks): ``shortest`` path of each task;
-        ``states``, int64 (maps,), and ``winding``, float64 (maps,).
+        float64 (maps, tasks): ``optimum``, the expected steps of the best policy where steps slip; ``states``,
+        int64 (maps,), and ``winding``, float64 (maps,).
     """
     rows: list[dict[str, Any]] = []
     for place, world in worlds:
-        tasks = tasks_of(world, letters)
+        tasks = tasks_in(world, letters, change, *stream_names, place)
         names = (*stream_names, place)
         lives = [learn_life(world, tasks, kind, parameters, root_seed, *names, seed).records for seed in range(seeds)]
+        placed = [(task, task.world or world) for task in tasks]
         rows.append(
             {
                 "steps": [[record.steps.sum() for record in life] for life in lives],
                 "first": [[record.steps[0] for record in life] for life in lives],
                 "truncated": [[record.truncated.sum() for record in life] for life in lives],
                 "library_size": [[record.library_size for record in life] for life in lives],
-                "shortest": world.distances_to(world.start)[[task.goal for task in tasks]],
+                "shortest": [there.shortest_path_length(task.start, task.goal) for task, there in placed],
+                "optimum": [_optimum(there, task) for task, there in placed],
                 "states": world.n_states,
                 "winding": winding(world),
             }
@@ -101,6 +108,13 @@ def lives_on_maps(
     return _stacked(rows)
 
 
+def _optimum(world: GridWorld, task: Task) -> float:
+    """Return the expected steps of the best policy; without slip the shortest path, as a whole number."""
+    if world.slip == 0:
+        return float(world.shortest_path_length(task.start, task.goal))
+    return float(optimal_steps(world, task.goal)[task.start])
+
+
 def _stacked(rows: Sequence[Mapping[str, Any]]) -> dict[str, np.ndarray]:
-    types = {name: np.float64 if name == "winding" else np.int64 for name in rows[0]}
+    types = {name: np.float64 if name in ("winding", "optimum") else np.int64 for name in rows[0]}
     return {name: np.array([row[name] for row in rows], dtype=kind) for name, kind in types.items()}

@@ -20,7 +20,7 @@ from studies.beyond.design import SecondStudy
 from studies.beyond.figures import Look
 from studies.beyond.maps import MAIN
 from studies.beyond.planned import shown
-from studies.beyond.summary import BASE
+from studies.beyond.summary import BASE, CERTAIN_WORLD
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -295,6 +295,63 @@ def _elsewhere(
             f" {percent(round(shares.max(), 2))} ({looks[str(shares.idxmax())].label})."
         )
     return {"lead": lead, "lines": lines}
+
+
+def harder_answer(worlds: pd.DataFrame, looks: Mapping[str, Look]) -> dict[str, Any]:
+    """Return the question about worlds that slip or change, with its lines.
+
+    Parameters
+    ----------
+    worlds : DataFrame
+        As `studies.beyond.summary.harder_costs` makes it.
+    """
+    others = worlds[(worlds["world"] != CERTAIN_WORLD) & (worlds["method"] != BASE)].dropna(subset=["ratio"])
+    ratios = others.groupby("method", sort=False)
+    below, above = ratios["ratio_high"].max() < 1, ratios["ratio_low"].min() > 1
+    cheaper, dearer, rest = (list(own[own].index) for own in (below, above, ~below & ~above))
+    parts = [
+        f"cheaper than PTL in every one of these worlds and families: {_listed(cheaper, looks)}" if cheaper else "",
+        f"dearer in every one: {_listed(dearer, looks)}" if dearer else "",
+        f"not the same in all: {_listed(rest, looks)}" if rest else "",
+    ]
+    lines = []
+    for world, own in worlds.groupby("world", sort=False):
+        means = np.exp(np.log(own["cost"]).groupby(own["method"], sort=False).mean()).sort_values()
+        best = ", ".join(f"{looks[str(name)].label} {number(value)}" for name, value in means.head(3).items())
+        base = f"; PTL {number(means[BASE])}" if BASE in means else ""
+        lines.append(f"{str(world).capitalize()}: cheapest {best}{base} (× optimum, mean over families).")
+    for method, own in others[others["method"].isin(rest)].groupby("method", sort=False):
+        lost = own[own["ratio_low"] > 1]
+        if len(lost):
+            named = ", ".join(f"{row.family} ({row.world})" for row in lost.head(4).itertuples())
+            more = f" and {len(lost) - 4} more" if len(lost) > 4 else ""
+            lines.append(f"{looks[str(method)].label} is dearer than PTL in {named}{more}.")
+    return {
+        "question": "4. Does it turn where moves slip or the house changes?",
+        "lead": _sentence("; ".join(filter(None, parts))),
+        "lines": lines,
+    }
+
+
+def harder_table(worlds: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Table:
+    """Lay out the costs in worlds that slip or change, a group of rows for each family."""
+    names = {name: str(name).capitalize() for name in dict.fromkeys(worlds["world"])}
+    groups: list[RowGroup] = []
+    columns: Sequence[Column] = ()
+    for family in (family for family in titles if family in set(worlds["family"])):
+        own = worlds[worlds["family"] == family]
+        part = wide_table(own, looks, names, "world", "cost", ("low", "high"), "", "")
+        columns = part.columns
+        groups.append(RowGroup(part.groups[0].rows, titles[family], family))
+    return Table(
+        "Cost where moves slip and maps change",
+        "As a multiple of the optimum of the same world, on the same maps; geometric mean over maps and lives.",
+        "method",
+        columns,
+        groups,
+        ("Bold: least in the column. Brackets: intervals.",),
+        group_heading="family",
+    )
 
 
 def _sentence(text: str) -> str:

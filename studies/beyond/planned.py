@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +18,7 @@ from ptl.world.map_files import load_map
 from ptl.world.mazes import GOALS
 from studies.beyond.design import ARTICLE, SecondStudy
 from studies.beyond.jobs import LIVES, LivesOnMaps
+from studies.beyond.lives import NO_CHANGE
 from studies.beyond.maps import MAIN
 from studies.beyond.methods import reference
 from studies.beyond.population import TABLE, MapEntry, read_population
@@ -115,36 +117,47 @@ def lives_jobs(
             method=methods.identifier(reference(name)),
             reference=reference(name),
             per_task=per_task,
+            slip=slip,
+            change=change,
         )
-        for family, size, sequence, tasks, seeds, maps, name, per_task in _designed(study, population, given)
+        for family, size, sequence, tasks, seeds, maps, name, per_task, slip, change in _designed(
+            study, population, given
+        )
     ]
     return {job.place: job for job in jobs}
 
 
 def _designed(
     study: SecondStudy, population: Population, given: Mapping[tuple[str, str], GivenMap]
-) -> Iterator[tuple[str, int, str, str, int, dict[str, str], str, int]]:
-    """Yield family, size, sequence, tasks, lives on each map, digests of the maps, method and skills a task."""
-    sizes, others = study.library_sizes, study.sequences
+) -> Iterator[tuple[str, int, str, str, int, dict[str, str], str, int, float, str]]:
+    """Yield family, size, sequence, tasks, lives on each map, maps, method, skills added a task, slip and change."""
+    sizes, others, harder = study.library_sizes, study.sequences, study.harder
+    worlds = [*((slip, NO_CHANGE) for slip in harder.slips), *((0.0, change) for change in harder.changes)]
     as_they_are = [(name, 0) for name in study.methods]
     sized = [(name, number) for name in sizes.methods for number in sizes.per_task]
-    plans = [(MAIN, study.maps, *variant) for variant in as_they_are]
-    plans += [(sequence, others.maps, name, 0) for sequence in others.names for name in others.methods]
-    plans += [(MAIN, sizes.maps, *variant) for variant in sized]
+    certain = (0.0, NO_CHANGE)
+    plans = [(MAIN, study.maps, *variant, *certain) for variant in as_they_are]
+    plans += [(sequence, others.maps, name, 0, *certain) for sequence in others.names for name in others.methods]
+    plans += [(MAIN, sizes.maps, *variant, *certain) for variant in sized]
+    plans += [(MAIN, harder.maps, name, 0, *world) for world in worlds for name in harder.methods]
     for family in study.families:
-        for sequence, number, name, per_task in plans:
+        for sequence, number, name, per_task, slip, change in plans:
             seeds = study.seeds_of_maps[:number]
             for batch in (seeds[first : first + study.batch] for first in range(0, len(seeds), study.batch)):
                 maps = {str(seed): population[family, seed].hash for seed in batch}
-                yield family, study.size, sequence, GOALS, study.seeds, maps, name, per_task
+                yield family, study.size, sequence, GOALS, study.seeds, maps, name, per_task, slip, change
     for name, per_task in (*as_they_are, *sized):
         for family, entry in study.article_maps.items():
             maps = {family: given[family, family].digest}
-            yield family, 0, ARTICLE, entry.tasks, study.article_seeds, maps, name, per_task
+            yield family, 0, ARTICLE, entry.tasks, study.article_seeds, maps, name, per_task, *certain
         for place in (Path(path).stem for path in study.moving_ai):
             maps = {place: given[MOVING_AI, place].digest}
             tasks = "".join(given[MOVING_AI, place].world.goals)
-            yield MOVING_AI, 0, MAIN, tasks, study.seeds, maps, name, per_task
+            yield MOVING_AI, 0, MAIN, tasks, study.seeds, maps, name, per_task, *certain
+    for name, world in itertools.product(harder.methods, worlds):
+        for family, entry in study.article_maps.items():
+            maps = {family: given[family, family].digest}
+            yield family, 0, ARTICLE, entry.tasks, harder.article_seeds, maps, name, 0, *world
 
 
 def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:

@@ -22,6 +22,7 @@ from scipy import stats
 from ptl.errors import UserError
 from ptl.measures.statistics import Estimate, Resampling, named_generator
 from studies.beyond.design import ARTICLE
+from studies.beyond.lives import NO_CHANGE
 from studies.beyond.maps import MAIN
 from studies.beyond.population import MapEntry
 
@@ -203,6 +204,43 @@ def variance_components(lives: pd.DataFrame) -> pd.DataFrame:
         rows,
         columns=["family", "method", "between_maps", "between_lives", "intraclass", "error", "error_fewer_maps"],
     )
+
+
+# -- worlds that slip or change ----------------------------------------------------------------------------
+
+
+CERTAIN_WORLD = "certain"
+"""Name of the world in which nothing slips and nothing changes."""
+
+
+def world_name(slip: float, change: str) -> str:
+    """Return the name of a world for readers."""
+    if change != NO_CHANGE:
+        return f"{change} change" if change == "cells" else f"a {change} changes"
+    return f"slip {slip:g}" if slip else CERTAIN_WORLD
+
+
+def harder_costs(harder: pd.DataFrame, main: pd.DataFrame, how: Resampling) -> pd.DataFrame:
+    """Return the costs in each world that slips or changes, and in the certain one on the same maps.
+
+    Parameters
+    ----------
+    harder, main : DataFrame
+        Lives in such worlds, and lives of the main comparison.
+
+    Returns
+    -------
+    DataFrame
+        Columns world, slip, change and those of `costs`; a cost is a multiple of the optimum of the same world.
+    """
+    keys = ["family", "map", "method", "seed"]
+    same = main.merge(harder[keys].drop_duplicates(), on=keys).assign(slip=0.0, change=NO_CHANGE)
+    parts = []
+    for (slip, change), lives in pd.concat([same, harder]).groupby(["slip", "change"], sort=False):
+        own = costs(lives, how)
+        own.insert(0, "world", world_name(slip, change))
+        parts.append(own.assign(slip=slip, change=change))
+    return pd.concat(parts, ignore_index=True)
 
 
 # -- cost against other things -------------------------------------------------------------------------------

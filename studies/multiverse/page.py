@@ -47,8 +47,8 @@ def ledger_table(ledger: pd.DataFrame, runs: int) -> Table:
         rows,
         (
             *(f"{name.capitalize()}: {meaning}." for name, meaning in CLASSES.items()),
-            f"In the reference: its class by {runs} runs of each method here. The ledger of the published run has it by as"
-            " many runs as a verdict needs.",
+            f"In the reference: its class by {runs} runs of each method here. The ledger of the published run has it by"
+            " as many runs as a verdict needs.",
             "Settings: share of the drawn settings in which the claim holds as a statement about means, with its Wilson"
             " interval; a claim that names its task or tasks is read so in both columns. Significance is that of the"
             " article's 30 runs.",

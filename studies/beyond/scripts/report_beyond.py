@@ -11,7 +11,7 @@ from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
 from studies.beyond import figures, page, summary
-from studies.beyond.collect import foreign_lives, read_lives, read_tasks
+from studies.beyond.collect import certain, foreign_lives, per_life_harder, read_lives, read_tasks
 from studies.beyond.design import SecondStudy
 from studies.beyond.maps import MAIN
 from studies.beyond.population import read_population
@@ -22,7 +22,8 @@ with running(snakemake) as script:
     how = Resampling(study.statistics.confidence, study.statistics.resamples)
     lives = [frame for frame in (read_lives(script.input.lives), foreign_lives(study)) if len(frame)]
     lives = pd.concat(lives, ignore_index=True)
-    tasks = read_tasks(script.input.tasks)
+    all_tasks = read_tasks(script.input.tasks)
+    tasks = all_tasks[certain(all_tasks)]
     looks = page.looks_of(study, lives["method"])
     main = summary.main_lives(lives)
     titles = page.titles_of(dict.fromkeys(main["family"]), study.article_maps)
@@ -125,6 +126,12 @@ with running(snakemake) as script:
         ),
         of_costs("improvement", "improvement_low", "improvement_high"),
     )  # fmt: skip
+    spread = {
+        "heading": "Across maps, tasks and sequences",
+        "text": "How the cost is spread over lives, how it changes over a life, and what it depends on.",
+        "figures": [pictures[name] for name in ("profiles", "tasks", "winding") if name in pictures],
+        "tables": [(table("components", page.component_table(components, looks, titles), components), False)],
+    }
     sections = [
         {
             "heading": "Costs",
@@ -138,12 +145,7 @@ with running(snakemake) as script:
             "figures": [pictures[name] for name in ("library_size",) if name in pictures],
             "tables": [],
         },
-        {
-            "heading": "Across maps, tasks and sequences",
-            "text": "How the cost is spread over lives, how it changes over a life, and what it depends on.",
-            "figures": [pictures[name] for name in ("profiles", "tasks", "winding") if name in pictures],
-            "tables": [(table("components", page.component_table(components, looks, titles), components), False)],
-        },
+        spread,
         {
             "heading": "What each method may know",
             "text": "A comparison is fair only between methods that may know the same.",
@@ -151,6 +153,30 @@ with running(snakemake) as script:
             "tables": [(page.knowledge_table(looks), True)],
         },
     ]
+    questions = page.answers(costs, looks, generated, components, titles)
+    if study.is_harder:
+        harder = per_life_harder(all_tasks)
+        write_csv(harder, folder / "per_life_harder.csv")
+        worlds = summary.harder_costs(harder, main, how)
+        picture(
+            "slips",
+            figures.slips(worlds, looks, titles),
+            worlds,
+            "Cost where steps slip or the map changes between tasks",
+            "Cost of some methods where steps slip, as a multiple of the optimum of the same world, and where the map"
+            " changes between tasks, which methods are not told. On the maps that all of these worlds share.",
+        )
+        sections.insert(
+            1,
+            {
+                "heading": "Where moves slip and maps change",
+                "text": "With probability p a step goes in a random direction. A door changes: the narrowest passage"
+                " closes and, if a goal is cut off, another opens. Cells change: one in twenty.",
+                "figures": [pictures["slips"]],
+                "tables": [(table("harder", page.harder_table(worlds, looks, titles), worlds), False)],
+            },
+        )
+        questions.append(page.harder_answer(worlds, looks))
     if len(sequences):
         for family in dict.fromkeys(sequences["family"]):
             part = sequences[sequences["family"] == family]
@@ -159,12 +185,12 @@ with running(snakemake) as script:
                 ("low", "high"), f"Sequences of tasks: {titles[family]}",
                 "Cost as a multiple of the optimum on the same maps, by the order in which goals come.",
             )  # fmt: skip
-            sections[2]["tables"].append((made, False))
+            spread["tables"].append((made, False))
     write_text(
         folder / "index.html",
         page.page(
             introduction=page.introduction(study, lives),
-            answers=page.answers(costs, looks, generated, components, titles),
+            answers=questions,
             explorer=page.explorer_line(study, looks),
             reading=page.READING,
             sections=[section for section in sections if section["figures"] or section["tables"]],
