@@ -42,7 +42,7 @@ FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "p
 READINGS = ("ptl_lead_in", "ptl_reselect", "ptl_initiation_set", "ptl_mixing", "ptl_initial_values")
 """PTL under each reading of what a drawn skill does."""
 
-TRANSFER = ("full_transfer", "policy_reuse", "plpr", "successor_features")
+TRANSFER = ("full_transfer", "policy_reuse", "policy_reuse_tuned", "plpr", "successor_features")
 """Methods that hand over values or policies instead of skills."""
 
 RMAX = tuple(f"{kind}{visits}" for kind in ("rmax", "rmax_memory") for visits in ("", "_2", "_5", "_10"))
@@ -88,6 +88,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "frontier_only": (COORDINATES, "for skills", TRANSITIONS),
     "full_transfer": (NOTHING, "no", "last action values"),
     "policy_reuse": (NOTHING, "no", "policies"),
+    "policy_reuse_tuned": (NOTHING, "no", "policies"),
     "plpr": (NOTHING, "no", "policies"),
     "successor_features": ("its state", CERTAIN, f"policies, {TRANSITIONS}"),
     "optimistic": (NOTHING, "no", NOTHING),

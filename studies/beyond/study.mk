@@ -3,7 +3,7 @@
 BEYOND = $(SNAKEMAKE) --snakefile studies/beyond/Snakefile
 SNAKEFILES += studies/beyond/Snakefile
 
-.PHONY: beyond beyond-smoke beyond-1000 beyond-3000
+.PHONY: beyond beyond-smoke beyond-1000 beyond-3000 tune-beyond
 
 beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (half an hour).
 	$(BEYOND)
@@ -17,3 +17,6 @@ beyond-smoke: build  ## The second study on a small configuration, in two minute
 beyond-1000 beyond-3000: build  ## The second study on maps of about 1000 or 3000 states (hours).
 	$(BEYOND) --configfile studies/beyond/config/$(subst -,_,$@).yaml
 	@echo "Open reports/$(subst -,_,$@)/index.html in a browser."
+
+tune-beyond: build  ## Tune rivals of the second study on the tuning band again, studies/beyond/config/tuned.csv.
+	.venv/bin/python -m studies.beyond.tuning
