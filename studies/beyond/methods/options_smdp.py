@@ -36,9 +36,9 @@ class Method(BaseMethod):
     where, is as in `ptl`.
 
     Two rules are ours and favour the options. A state on no path before the subgoal does not offer the option, and once
-    an episode has had as many steps as there are states, only actions are chosen. Where nothing is known, options are
-    drawn as often as actions, lead a random walk back to their subgoals again and again, and a goal aside of them is
-    hardly ever found.
+    an episode has had as many steps as there are states, options are no longer drawn at random. Where nothing is known,
+    they are drawn as often as actions, lead a random walk back to their subgoals again and again, and a goal aside of
+    them is hardly ever found.
 
     Knows nothing of the goal.
 
@@ -78,22 +78,22 @@ class Method(BaseMethod):
                 state = self.take(learner, state, choice)
         return taken
 
-    def choose(self, state: int, end: int | None = None) -> int:
+    def choose(self, state: int, random_end: int | None = None) -> int:
         """Return the number of an action, or 4 + i for option i, epsilon-greedily among those that the state has.
 
         Parameters
         ----------
-        end : int, optional
-            Only numbers below it.
+        random_end : int, optional
+            Only numbers below it are drawn at random: by epsilon, and where all values are 0.
         """
-        row = self.values[state][:end]
+        row = self.values[state]
+        best = max(row)
         if self._uniform() < self.parameters.learning.epsilon:
-            among = [choice for choice, value in enumerate(row) if value > -np.inf]
+            among = [choice for choice, value in enumerate(row[:random_end]) if value > -np.inf]
+        elif row.count(best) == 1:
+            return row.index(best)
         else:
-            best = max(row)
-            if row.count(best) == 1:
-                return row.index(best)
-            among = [choice for choice, value in enumerate(row) if value == best]
+            among = [choice for choice, value in enumerate(row[: random_end if best == 0 else None]) if value == best]
         return among[int(self._uniform() * len(among))]
 
     def act(self, learner: Learner, state: int, action: int) -> int:

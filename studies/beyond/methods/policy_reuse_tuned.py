@@ -13,7 +13,7 @@ TUNED = {"policy_reuse__psi_decay": 0.98, "policy_reuse__temperature_step": 5000
 
 
 class Method(PolicyReuse):
-    """As `policy_reuse`, but guidance lasts longer, and from the second episode on the arm of the greatest gain is drawn.
+    """As `policy_reuse`, but guidance lasts longer, and from the second episode on the arm that gains most is drawn.
 
     Returns are gamma to the length of an episode, so that with the temperature of the source all arms are drawn almost
     equally often on maps of this size. Knows nothing of the goal.

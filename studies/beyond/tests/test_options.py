@@ -32,7 +32,7 @@ def in_corridor(name: str) -> methods.BaseMethod:
 def episode(method: methods.BaseMethod, learner: Learner, choices: Iterable[int]) -> list[int]:
     """Run an episode with these choices; return the options taken."""
     given = iter(choices)
-    method.choose = lambda state, end=None: next(given)
+    method.choose = lambda state, random_end=None: next(given)
     learner.begin_episode(CORRIDOR.start)
     taken = method.run_episode(learner)
     assert next(given, None) is None and learner.at_goal
@@ -86,8 +86,9 @@ def test_an_option_is_chosen_where_it_begins_and_ends_at_its_subgoal(name):
     assert abs(counts - 200).max() < 4 * np.sqrt(1000 * 0.2 * 0.8)
     assert {method.choose(0, 4) for _ in range(200)} == {0, 1, 2, 3}
     method.values[0][OPTION] = 0.1
-    greedy = np.mean([method.choose(0) == OPTION for _ in range(1000)])
-    assert abs(greedy - 0.92) < 4 * np.sqrt(0.92 * 0.08 / 1000)
+    for random_end, probability in ((None, 0.92), (4, 0.9)):
+        share = np.mean([method.choose(0, random_end) == OPTION for _ in range(1000)])
+        assert abs(share - probability) < 4 * np.sqrt(probability * (1 - probability) / 1000)
     learner = learner_of(method)
     learner.begin_episode(1)
     assert method.take(learner, 1, OPTION) == 2 and learner.steps == 1
