@@ -90,6 +90,7 @@ def lives_on_maps(
     rows: list[dict[str, Any]] = []
     for place, world in worlds:
         tasks = tasks_in(world, letters, change, *stream_names, place)
+        world = tasks[0].world or world
         names = (*stream_names, place)
         lives = [learn_life(world, tasks, kind, parameters, root_seed, *names, seed).records for seed in range(seeds)]
         placed = [(task, task.world or world) for task in tasks]
