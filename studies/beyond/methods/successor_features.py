@@ -73,12 +73,16 @@ class Method(BaseMethod):
             learner.explore()
             return []
         epsilon, past = self.parameters.learning.epsilon, self.past.tolist()
-        state = learner.state
-        while not (state == self.goal or learner.truncated):
+        worth = self.past.any(axis=1).tolist()
+        while not (learner.at_goal or learner.truncated):
+            state = learner.state
+            if not worth[state]:
+                learner.explore(budget=1)
+                continue
             values = [max(pair) for pair in zip(learner.values_of(state), past[state], strict=True)]
             best = max(values) if self.random.random() >= epsilon else -np.inf
             among = [action for action, value in enumerate(values) if value >= best]
-            state = learner.act(among[int(self.random.random() * len(among))])
+            learner.act(among[int(self.random.random() * len(among))])
         return []
 
     def end_task(self, learner: Learner) -> None:
