@@ -64,9 +64,10 @@ class Model:
         self.edges = self.changes = 0
         self._usual = np.zeros((n_states, N_ACTIONS), dtype=np.int32)
         self._known = np.zeros(n_states, dtype=np.uint8)
-        # outcomes of the known pairs and their shares, padded; a row is written again when a plan is wanted
-        self._after = np.zeros((n_states, N_ACTIONS, 1), dtype=np.int32)
-        self._share = np.zeros((n_states, N_ACTIONS, 1))
+        # outcomes of the known pairs and their shares, (outcomes, actions, states): sums over the first axes are fast;
+        # those of a pair are written again when a plan is wanted
+        self._after = np.zeros((1, N_ACTIONS, n_states), dtype=np.int64)
+        self._share = np.zeros((1, N_ACTIONS, n_states))
         self._changed: set[tuple[int, int]] = set()
         self._uncertain: set[tuple[int, int]] = set()
         self._goal, self._values = -1, np.zeros(n_states)
@@ -114,7 +115,7 @@ class Model:
         for state, action in np.argwhere(~self.unknown).tolist():
             if self.pairs[state][action].tries < self.visits:
                 self._known[state] &= ~np.uint8(1 << action)
-                self._share[state, action] = 0.0
+                self._share[:, action, state] = 0.0
                 self._changed.discard((state, action))
                 self._uncertain.discard((state, action))
         self.edges += 1
@@ -165,11 +166,11 @@ class Model:
         while (np.abs(values - before) > TOLERANCE * values).any():
             ahead = gamma * values
             ahead[goal] = 1.0
-            of_actions = (self._share * ahead[self._after]).sum(axis=2)
-            before, values = values, of_actions.max(axis=1)
+            of_actions = (self._share * ahead[self._after]).sum(axis=0)
+            before, values = values, of_actions.max(axis=0)
             values[goal] = 0.0
         self._values = values
-        return np.where(steps > 0, of_actions.argmax(axis=1), -1).astype(np.int8)
+        return np.where(steps > 0, of_actions.argmax(axis=0), -1).astype(np.int8)
 
     def way_to_unknown(self, origin: int, random: np.random.Generator) -> list[int] | None:
         """Return the actions of a shortest path to a state with a pair that is not known, and that pair's action.
@@ -194,12 +195,12 @@ class Model:
         for state, action in self._changed:
             pair = self.pairs[state][action]
             number = len(pair.outcomes)
-            if number > self._after.shape[2]:
-                more = [(0, 0), (0, 0), (0, number - self._after.shape[2])]
+            if number > len(self._after):
+                more = [(0, number - len(self._after)), (0, 0), (0, 0)]
                 self._after, self._share = np.pad(self._after, more), np.pad(self._share, more)
-            self._after[state, action, :number] = list(pair.outcomes)
-            self._share[state, action] = 0.0
-            self._share[state, action, :number] = np.array(list(pair.outcomes.values())) / sum(pair.outcomes.values())
+            self._after[:number, action, state] = list(pair.outcomes)
+            self._share[:, action, state] = 0.0
+            self._share[:number, action, state] = np.array(list(pair.outcomes.values())) / sum(pair.outcomes.values())
             (self._uncertain.add if number > 1 else self._uncertain.discard)((state, action))
         self._changed.clear()
 
