@@ -43,7 +43,7 @@ class Model:
     ----------
     n_states : int
     visits : int
-        m, tries after which a pair is known; `doubt` doubles it.
+        m, tries after which a pair is known; `doubt` may double it.
     forgets : bool
         Whether a known pair forgets what has become false: once m tries one after another have led to the same state,
         another than the usual one, they replace its counts. With m = 1 the last try alone counts.
@@ -51,6 +51,8 @@ class Model:
     Attributes
     ----------
     pairs : list of lists of Pair
+    doubted : bool
+        Whether the next `doubt` is a second one.
     edges : int
         Grows with every change of a known pair's usual state.
     changes : int
@@ -61,6 +63,7 @@ class Model:
     def __init__(self, n_states: int, visits: int = 1, forgets: bool = False) -> None:
         self.visits, self.forgets = visits, forgets
         self.pairs = [[Pair() for _ in range(N_ACTIONS)] for _ in range(n_states)]
+        self.doubted = False
         self.edges = self.changes = 0
         self._usual = np.zeros((n_states, N_ACTIONS), dtype=np.int32)
         self._known = np.zeros(n_states, dtype=np.uint8)
@@ -110,14 +113,23 @@ class Model:
         self._changed.add((state, action))
 
     def doubt(self) -> None:
-        """Double m, so that what has been tried less often is unknown again."""
-        self.visits *= 2
+        """Believe less: what left the agent where it was is to be tried once more; the second time m doubles.
+
+        For when neither the goal nor anything unknown can be reached, so that a wall has opened, or an uncertain move
+        has been believed too early.
+        """
+        if self.doubted:
+            self.visits *= 2
         for state, action in np.argwhere(~self.unknown).tolist():
-            if self.pairs[state][action].tries < self.visits:
+            pair = self.pairs[state][action]
+            if not self.doubted and pair.usual == state:
+                pair.tries, pair.row, pair.used, pair.usual, pair.outcomes = self.visits - 1, 0, 0, UNTRIED, {}
+            if pair.tries < self.visits:
                 self._known[state] &= ~np.uint8(1 << action)
                 self._share[:, action, state] = 0.0
                 self._changed.discard((state, action))
                 self._uncertain.discard((state, action))
+        self.doubted = not self.doubted
         self.edges += 1
         self.changes += 1
 

@@ -20,8 +20,9 @@ class Method(BaseMethod):
     to the goal are by value iteration over the known actions with the shares of what they led to. Three rules are ours:
     once a path of known actions leads to the goal, it is taken, whether or not something unknown might shorten it; the
     way to the nearest unknown action, and to the goal for the rest of an episode in which a path has changed, takes the
-    most frequent outcome of each action for certain; and m doubles if neither the goal nor anything unknown can be
-    reached by what is believed, which happens with uncertain moves alone. Every task begins with an empty model.
+    most frequent outcome of each action for certain; and if by what is believed neither the goal nor anything unknown
+    can be reached, all actions that left the agent where it was are tried once more, and if that does not help, m
+    doubles. Every task begins with an empty model.
 
     Knows nothing of the goal before it has been there. Certain moves are not assumed; with m = 1 one try is believed.
 

@@ -22,5 +22,6 @@ class Method(RMax):
         kept = self.model
         super().begin_task(start, goal)
         self.model = kept
+        self.model.doubted = False
         self.goal_is_known = any(goal in pair.outcomes for pairs in kept.pairs for pair in pairs)
         return None

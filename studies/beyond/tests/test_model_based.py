@@ -159,6 +159,24 @@ def test_with_one_visit_the_last_try_counts():
     assert not model.unknown[0, EAST]
 
 
+def test_doubt_tries_bumps_once_more_and_then_everything():
+    """In a corridor of two cells with m = 2: six of the eight pairs are bumps."""
+    model = taught({(0, a): {1 if a == EAST else 0: 2} for a in range(4)}, 2, visits=2)
+    for action in range(4):
+        for _ in range(2):
+            model.note(1, action, 0 if action == WEST else 1)
+    assert model.way_to_unknown(0, np.random.default_rng(1)) is None
+    model.doubt()
+    assert np.argwhere(~model.unknown).tolist() == [[0, EAST], [1, WEST]]
+    model.note(0, NORTH, 1)
+    assert not model.unknown[0, NORTH] and model.pairs[0][NORTH].usual == 1 and model.visits == 2
+    model.doubt()
+    assert model.unknown.all() and model.visits == 4
+    for _ in range(2):
+        model.note(0, EAST, 1)
+    assert np.argwhere(~model.unknown).tolist() == [[0, EAST]] and model.pairs[0][EAST].outcomes == {1: 4}
+
+
 # -- R-max
 
 
@@ -226,6 +244,21 @@ def test_a_kept_model_survives_a_door_that_closes(visits):
         # m tries at the door; if the other way is not known yet, its actions are tried m times each
         assert 6 + visits <= after.steps[0] <= 6 + visits + 4 * 12 * visits
         assert after.steps[visits:].tolist() == [6] * (30 - visits)
+
+
+@pytest.mark.parametrize("visits", KEPT)
+def test_a_kept_model_finds_a_door_that_opens_where_a_wall_was(visits):
+    """The only way is closed and another one opens: m tries at the old door, and one try of each wall at most."""
+    world = GridWorld.from_text("I..#\n##.#\nA..#\n", "bend")
+    task, stream = tasks_of(world, "A")[0], np.random.SFC64(1)
+    method = make(KEPT[visits], world)
+    learn_task(world, Dynamics(world.successors), task, method, FEW, stream)
+    # states: 0 1 2 / 3 / 4 (A) 5 6; from 3 to 6 is closed, from 1 to 5 opens
+    successors = np.array(world.successors)
+    successors[3, SOUTH], successors[6, NORTH], successors[1, SOUTH], successors[5, NORTH] = 3, 6, 5, 1
+    steps = learn_task(world, Dynamics(successors), task, method, FEW, stream).steps
+    assert steps[0] <= 3 + visits + 4 * 4 * 4
+    assert steps[visits:].tolist() == [3] * (30 - visits)
 
 
 def test_a_model_that_never_forgets_stays_at_the_door():
