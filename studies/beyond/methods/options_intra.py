@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ptl.agent._kernel import Learner
 from studies.beyond.methods.options_smdp import N_ACTIONS
 from studies.beyond.methods.options_smdp import Method as Options
@@ -23,16 +21,10 @@ class Method(Options):
     label = "Options, intra-option learning"
     colour = "#984ea3"
 
-    def begin_task(self, start: int, goal: int) -> np.ndarray | None:
-        initial = super().begin_task(start, goal)
-        # the policies as lists: a step looks up one action of each
-        self.policies = [option.policy.tolist() for option in self.options]
-        return initial
-
     def take(self, learner: Learner, state: int, choice: int) -> int:
-        policy, subgoal = self.policies[choice - N_ACTIONS], self.options[choice - N_ACTIONS].subgoal
-        while state not in (subgoal, self.goal) and policy[state] >= 0 and not learner.truncated:
-            state = self.act(learner, state, policy[state])
+        policy, before = self.policies[choice - N_ACTIONS], -1
+        while self.goes_on(policy, before, state) and not learner.truncated:
+            before, state = state, self.act(learner, state, policy[state])
         return state
 
     def act(self, learner: Learner, state: int, action: int) -> int:
@@ -44,7 +36,6 @@ class Method(Options):
         for number, policy in enumerate(self.policies):
             if policy[state] == action:
                 choice = N_ACTIONS + number
-                goes_on = not at_goal and policy[after] >= 0
-                target = learning.gamma * ahead[choice] if goes_on else best
+                target = learning.gamma * ahead[choice] if self.goes_on(policy, state, after) else best
                 row[choice] += learning.alpha * (target - row[choice])
         return after

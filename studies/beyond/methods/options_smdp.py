@@ -26,8 +26,8 @@ class Method(BaseMethod):
 
     R. Sutton, D. Precup, S. Singh, Artificial Intelligence 112, 1999; over the subgoals of the FD metric: R. Kretchmar,
     T. Feil, R. Bansal, 2003. An option is a skill: it can be chosen in the states before its subgoal on the paths that
-    taught it (A. McGovern, A. Barto, ICML 2001), and lasts until its subgoal, or to the goal. After k steps of an
-    option from s to s',
+    taught it (A. McGovern, A. Barto, ICML 2001), and lasts until its subgoal, to the goal, or until a step leaves the
+    agent where it was (our choice: a door may have closed). After k steps of an option from s to s',
 
         Q(s, o) += alpha (r + gamma^k max Q(s', .) - Q(s, o)),
 
@@ -64,6 +64,7 @@ class Method(BaseMethod):
         for number, option in enumerate(self.options, N_ACTIONS):
             values[~initiation_set(option), number] = -np.inf
         self.values: list[list[float]] = values.tolist()
+        self.policies: list[list[int]] = [option.policy.tolist() for option in self.options]
         return None
 
     def run_episode(self, learner: Learner) -> list[int]:
@@ -104,10 +105,15 @@ class Method(BaseMethod):
 
     def take(self, learner: Learner, state: int, choice: int) -> int:
         """Take an option to its end and learn about it; return the state after it."""
-        option, before = self.options[choice - N_ACTIONS], learner.steps
-        learner.follow(option.policy, option.subgoal)
-        self.learn(state, choice, learner.state, learner.steps - before)
-        return learner.state
+        policy, before, after, steps = self.policies[choice - N_ACTIONS], -1, state, 0
+        while self.goes_on(policy, before, after) and not learner.truncated:
+            before, after, steps = after, learner.act(policy[after], learn=False), steps + 1
+        self.learn(state, choice, after, steps)
+        return after
+
+    def goes_on(self, policy: list[int], before: int, state: int) -> bool:
+        """Return whether an option goes on after a step; ``before`` is -1 where it begins."""
+        return state not in (before, self.goal) and policy[state] >= 0
 
     def learn(self, state: int, choice: int, after: int, steps: int) -> None:
         """Update Q of an action or option that led from a state to another in some steps."""

@@ -73,7 +73,7 @@ class Method(BaseMethod):
             learner.explore()
             return []
         epsilon, past = self.parameters.learning.epsilon, self.past.tolist()
-        worth = self.past.any(axis=1).tolist()
+        worth: list[bool] = np.any(self.past, axis=1).tolist()
         while not (learner.at_goal or learner.truncated):
             state = learner.state
             if not worth[state]:

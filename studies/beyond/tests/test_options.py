@@ -92,3 +92,13 @@ def test_an_option_is_chosen_where_it_begins_and_ends_at_its_subgoal(name):
     learner = learner_of(method)
     learner.begin_episode(1)
     assert method.take(learner, 1, OPTION) == 2 and learner.steps == 1
+
+
+@pytest.mark.parametrize("name", ["options_smdp", "options_intra"])
+def test_an_option_ends_at_a_door_that_has_closed(name):
+    method = in_corridor(name)
+    successors = np.array(CORRIDOR.successors)
+    successors[1, EAST], successors[2, WEST] = 1, 2
+    learner = Learner(Dynamics(successors), CORRIDOR.goal("A"), np.random.SFC64(1))
+    learner.begin_episode(0)
+    assert method.take(learner, 0, OPTION) == 1 and learner.steps == 2
