@@ -109,12 +109,14 @@ def ranges(frame: pd.DataFrame) -> pd.DataFrame:
     """Return by how much the gain moves with each unknown, all else equal: mean and maximum by unknown.
 
     A range is the greatest gain less the least one over the values of the unknown; there is one for each library and
-    each combination of the other unknowns.
+    each combination of the other unknowns. Those of motion and ties are for the mean over all trials, which the source
+    writes of.
     """
     counted, rows = _counted(frame), {}
     for unknown in UNKNOWNS:
         rest = [*(name for name in READING if name != unknown), "library"]
-        gain = counted.groupby(rest)["gain"]
+        part = counted if unknown == "summary" else counted[counted["summary"] == "trials"]
+        gain = part.groupby(rest)["gain"]
         reach = gain.max() - gain.min()
         rows[unknown] = {"mean": reach.mean(), "maximum": reach.max()}
     return pd.DataFrame.from_dict(rows, orient="index").sort_values("mean", ascending=False)
@@ -135,7 +137,7 @@ def verdict(frame: pd.DataFrame) -> str:
     if counted["within"].isna().any():
         return "There are too few runs for intervals, so no reading can be called compatible."
     found = compatible(frame)
-    counts = counted.groupby(READING)["within"].sum()
+    counts = counted.groupby(READING, sort=False)["within"].sum()
     if found:
         listed = "; ".join(_named(*names) for names in found)
         first = (
@@ -145,15 +147,19 @@ def verdict(frame: pd.DataFrame) -> str:
         )
     else:
         nearest = "; ".join(_named(*names) for names in counts.index[counts == counts.max()])
-        held = f"at most {counts.max()} are within one: {nearest}" if counts.max() else "none is within any"
-        first = f"None of {number_of} readings is compatible with all {len(SHOWN)} published values; {held}."
+        first = f"None of {number_of} readings is compatible with all {len(SHOWN)} published values."
+        if counts.max():
+            first += f" The nearest have {counts.max()} of them within: {nearest}."
     moved = ranges(frame)
     parts = [
         f"{UNKNOWNS[name]} by {number(row['mean'], 3)} on average and {number(row['maximum'], 3)} at most"
         for name, row in moved.iterrows()
     ]
+    most = counts.groupby("summary", sort=False).max()
+    held = [f"{SUMMARIES[name][0]} {number_within}" for name, number_within in most.items()]
     return (
         f"{first} All else equal, a gain moves with {', with '.join(parts)}: {UNKNOWNS[moved.index[0]]} decides most."
+        f" The greatest number of values within one reading is, by what the figure plots, {', '.join(held)}."
     )
 
 
@@ -188,7 +194,7 @@ def _counted(frame: pd.DataFrame) -> pd.DataFrame:
 
 
 def _named(motion: str, ties: str, summary: str) -> str:
-    return f"{MOTIONS[motion].label}, {TIES[ties]}, {SUMMARIES[summary][0]}"
+    return f"{MOTIONS[motion].label}, of equal actions {TIES[ties]}, {SUMMARIES[summary][0]}"
 
 
 # -- the table ----------------------------------------------------------------------------------------------------

@@ -60,7 +60,7 @@ MOTIONS: Mapping[str, Motion] = MappingProxyType(
 
 TIES: Mapping[str, str] = MappingProxyType(
     {
-        "random": "any, at random",
+        "random": "a random one",
         "first_ensw": "the first of E, N, S, W",
         "first_any": "the first, over all 24 orders",
     }

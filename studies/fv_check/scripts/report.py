@@ -11,7 +11,7 @@ from studies.fv_check.jobs import gains_of, readings_of
 
 with running(snakemake) as script:
     statistics = script.groups.statistics
-    results = script.results(script.input)
+    results = list(script.results(script.input))
     gains = gains_of(results)
     frame = page.gain_frame(gains, readings_of(results), Resampling(statistics.confidence, statistics.resamples))
     job = gains[0].job
