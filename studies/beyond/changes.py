@@ -49,21 +49,20 @@ def changing_worlds(world: GridWorld, rule: str, number: int, *names: str | int)
     """Return a map and what becomes of it in ``number - 1`` changes, one after another.
 
     All have the states of one map, in which a cell is free that is free in any of them: numbers of states keep their
-    meaning, so a method that compares them need not be told of a change. Cells that are walls at a time are closed.
+    meaning, so a method that compares them need not be told of a change. Cells that are walls at a time are closed. Where
+    a map cannot change by the rule, say because no door is left, it stays as it is.
 
     Parameters
     ----------
     names : str or int
         As in `changed_map`, followed by the number of the change.
-
-    Raises
-    ------
-    UserError
-        As in `changed_map`.
     """
     texts = [world.text]
     for change in range(1, number):
-        texts.append(changed_map(texts[-1], rule, *names, change))
+        try:
+            texts.append(changed_map(texts[-1], rule, *names, change))
+        except UserError:
+            texts.append(texts[-1])
     grids = np.array([[list(row) for row in text.splitlines()] for text in texts])
     letters = np.where((grids == WALL).all(axis=0) | (grids[0] != WALL), grids[0], FREE)
     union = GridWorld.from_text(to_text(letters), world.name, world.slip)

@@ -188,10 +188,15 @@ def test_jobs_are_all_and_only_those_of_the_design():
 def test_the_shipped_configurations_are_right(monkeypatch):
     monkeypatch.chdir(ROOT)
     study = read_study(FOLDER / "config/beyond.yaml")
-    assert set(names()) - set(study.methods) == {"ptl_frontier_path"}
+    slow = yaml.safe_load((FOLDER / "config/beyond_slow.yaml").read_text())["methods"]
+    assert set(names()) - {*study.methods, *slow} == {"ptl_frontier_path", "ptl_initiation_set"}
     jobs = planned(study)
-    places = {(job.family, job.sequence, job.method, job.per_task, place) for job in jobs for place in job.places}
-    assert len(places) == 6 * (17 * 100 + 4 * 8 * 10 + 5 * 4 * 10) + 3 * (17 + 20)
+    places = {
+        (job.family, job.sequence, job.method, job.per_task, job.slip, job.change, place)
+        for job in jobs
+        for place in job.places
+    }
+    assert len(places) == 6 * (30 * 15 + 4 * 8 * 10 + 5 * 4 * 10 + 4 * 10 * 4) + 3 * (30 + 20 + 4 * 10)
     learned = pd.read_csv(ROOT / "reports/beyond/per_life.csv")["total_steps"].sum()
     cost = cost_of_lives(jobs, population_of(study), given_maps(study))
     assert learned < cost.steps < learned * 5
