@@ -49,8 +49,8 @@ def changing_worlds(world: GridWorld, rule: str, number: int, *names: str | int)
     """Return a map and what becomes of it in ``number - 1`` changes, one after another.
 
     All have the states of one map, in which a cell is free that is free in any of them: numbers of states keep their
-    meaning, so a method that compares them need not be told of a change. Cells that are walls at a time are closed. Where
-    a map cannot change by the rule, say because no door is left, it stays as it is.
+    meaning, so a method that compares them need not be told of a change. Cells that are walls at a time are closed.
+    Where a map cannot change by the rule, say because no door is left, it stays as it is.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+import yaml
 from projects import ROOT
 
 from ptl.agent.subgoals import discover
