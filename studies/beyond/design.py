@@ -200,7 +200,7 @@ def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
         Families with lives of other programs.
     """
     tables, numbers = ["costs", "ratios", "improvement", "components"], ["winding_trends", "sequences"]
-    figures = ["overview", "profiles", "tasks"]
+    figures = ["strip", "overview", "profiles", "tasks"]
     sizes = study.library_sizes
     if sizes.methods and sizes.per_task and (study.families or study.article_maps or study.moving_ai):
         figures.append("library_size")

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
+from matplotlib.colors import LogNorm
 
 from ptl.report.figures import style
+from ptl.text import number
 from studies.beyond.lives import NO_CHANGE
 
 if TYPE_CHECKING:
@@ -93,6 +95,34 @@ def _curves(
         finish(ax)
     _label_sides(grid, families, *labels)
     _legend(figure, axes[families[0]])
+    return figure
+
+
+@style.styled
+def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
+    """Draw the cost of every method in every family as a coloured number, methods in the order of their mean cost."""
+    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=list(titles))
+    means = np.exp(np.log(table).mean(axis=1))
+    table = table.loc[means.sort_values().index]
+    rows, columns = table.shape
+    figure = style.new_figure(style.SLIDE_WIDTH, 0.33 * rows + 1.4)
+    ax = figure.add_subplot()
+    norm = LogNorm(1, max(float(np.nanmax(table.to_numpy())), 2))
+    ax.pcolormesh(table.to_numpy(), cmap=style.PALE_HEAT, norm=norm, edgecolor="white", linewidth=1.5)
+    for row, method in enumerate(table.index):
+        for column, value in enumerate(table.loc[method]):
+            if np.isfinite(value):
+                ax.text(column + 0.5, row + 0.5, number(round(value, 1 if value < 100 else 0)), ha="center",
+                        va="center", fontsize=12)  # fmt: skip
+    ax.set_yticks(np.arange(rows) + 0.5, [looks[method].label for method in table.index], fontsize=12)
+    for label, method in zip(ax.get_yticklabels(), table.index, strict=True):
+        label.set_color(looks[method].colour)
+        label.set_fontweight("bold" if method == "ptl" else "normal")
+    ax.set_xticks(np.arange(columns) + 0.5, list(titles.values()), fontsize=12)
+    ax.tick_params(length=0, labeltop=True, labelbottom=False)
+    ax.invert_yaxis()
+    ax.grid(False)
+    ax.spines[:].set_visible(False)
     return figure
 
 

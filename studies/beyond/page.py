@@ -183,6 +183,28 @@ def compared(costs: pd.DataFrame, families: Sequence[str]) -> dict[str, AgainstP
     return {str(name): AgainstPTL(part) for name, part in own.groupby("method", sort=False)}
 
 
+MODEL, PLAN = "rmax_memory", "free_space_memory"
+"""A remembered model, and a plan through cells that are taken for free until bumped into."""
+
+
+def lead(costs: pd.DataFrame, looks: Mapping[str, Look], families: Sequence[str]) -> str:
+    """Answer the page's question in two sentences, from mean costs over the generated families."""
+    own = costs[costs["family"].isin(families)] if len(families) else costs
+    means = np.exp(np.log(own["cost"]).groupby(own["method"], sort=False).mean()).sort_values()
+    if BASE not in means or NO_TRANSFER not in means:
+        return ""
+    text = (
+        f"PTL’s library takes {number(means[BASE])} times the optimum on average, learning from nothing"
+        f" {number(means[NO_TRANSFER])} times; of {len(means)} methods here PTL is number"
+        f" {list(means.index).index(BASE) + 1} by cost."
+    )
+    better = [name for name in (MODEL, PLAN) if name in means and means[name] < means[BASE]]
+    if better:
+        listed = " and ".join(f"{looks[name].label} {number(means[name])}" for name in better)
+        text += f" A robot that may keep what it has seen of the house needs no skills on maps of this size: {listed}."
+    return text
+
+
 def answers(
     costs: pd.DataFrame,
     looks: Mapping[str, Look],

@@ -53,6 +53,14 @@ with running(snakemake) as script:
         pictures[name] = {"name": name, "alt": alt, "caption": caption}
 
     picture(
+        "strip",
+        figures.strip(costs, looks, titles),
+        of_costs("cost"),
+        "Cost of every method in every family of maps, as numbers",
+        "Cost as a multiple of the optimum (1 cannot be beaten), geometric mean over maps and lives; the cheapest"
+        " methods on top, PTL in bold.",
+    )
+    picture(
         "overview",
         figures.overview(costs, looks, titles),
         of_costs("cost", "low", "high"),
@@ -190,6 +198,8 @@ with running(snakemake) as script:
         folder / "index.html",
         page.page(
             introduction=page.introduction(study, lives),
+            lead=page.lead(costs, looks, generated),
+            strip=pictures["strip"],
             answers=questions,
             explorer=page.explorer_line(study, looks),
             reading=page.READING,
