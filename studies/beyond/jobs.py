@@ -102,11 +102,9 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/2"):
                 yield f"{name}: a task took fewer steps than its shortest path"
             if (arrays[name] > episodes * learning.max_steps).any():
                 yield f"{name}: a task took more steps than learning.max_steps ({learning.max_steps}) allows"
-        for world in worlds.values():
+        for world in worlds.values() if self.change == NO_CHANGE else ():
             paths = [world.shortest_path_length(world.start, world.goal(letter)) for letter in self.tasks]
-            if (self.change == NO_CHANGE and arrays["shortest"].tolist() != [paths]) or arrays["states"].tolist() != [
-                world.n_states
-            ]:
+            if arrays["shortest"].tolist() != [paths] or arrays["states"].tolist() != [world.n_states]:
                 yield "its shortest paths or its number of states are not those of its map"
 
     def _name(self, place: str) -> str | int:
