@@ -105,7 +105,7 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
     means = np.exp(np.log(table).mean(axis=1))
     table = table.loc[means.sort_values().index]
     rows, columns = table.shape
-    figure = style.new_figure(style.SLIDE_WIDTH, 0.33 * rows + 1.4)
+    figure = style.new_figure(style.SLIDE_WIDTH, 0.33 * rows + 1.6)
     ax = figure.add_subplot()
     norm = LogNorm(1, max(float(np.nanmax(table.to_numpy())), 2))
     ax.pcolormesh(table.to_numpy(), cmap=style.PALE_HEAT, norm=norm, edgecolor="white", linewidth=1.5)
@@ -118,7 +118,7 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
     for label, method in zip(ax.get_yticklabels(), table.index, strict=True):
         label.set_color(looks[method].colour)
         label.set_fontweight("bold" if method == "ptl" else "normal")
-    ax.set_xticks(np.arange(columns) + 0.5, list(titles.values()), fontsize=12)
+    ax.set_xticks(np.arange(columns) + 0.5, [title.replace(" ", "\n", 1) for title in titles.values()], fontsize=12)
     ax.tick_params(length=0, labeltop=True, labelbottom=False)
     ax.invert_yaxis()
     ax.grid(False)
