@@ -136,8 +136,8 @@ def second_study(published: Path) -> str:
     return (
         f"**And beside other methods?** On the {len(own)} families of generated maps of the"
         f" [second study]({SECOND_STUDY}/README.md), a learner that remembers every transition and plans with them"
-        f" (R-max with a kept model) takes {low} to {high} times as many steps as PTL. Where moves are certain and such"
-        " a memory is allowed, a skill library is not the best that can be done."
+        f" (R-max with a kept model) takes {low} to {high} times as many steps as PTL. Where such a memory is"
+        " allowed, a skill library is not the best that can be done on maps of this size."
     )
 
 
