@@ -22,11 +22,15 @@ from ptl.learning.life import learn_life, tasks_of
 from ptl.measures.statistics import Resampling
 from ptl.report.format_tables import filled
 from ptl.world.gridworld import GridWorld
+from ptl.world.map_files import load_map
+from ptl.world.optimum import optimal_steps
 from ptl.world.transitions import TransitionGraph
-from studies.beyond import summary
+from studies.beyond import page, summary
 from studies.beyond.collect import LIFE_COLUMNS, per_life, per_task, read_lives, read_tasks
 from studies.beyond.design import SecondStudy, read_study
+from studies.beyond.figures import Look
 from studies.beyond.jobs import LivesOnMaps
+from studies.beyond.lives import NO_CHANGE
 from studies.beyond.methods import names
 from studies.beyond.methods._sized import sized
 from studies.beyond.methods.ptl_farthest import Method as Farthest
@@ -149,7 +153,7 @@ def tasks_table() -> pd.DataFrame:
                          max(1, added) * task, 290, 1.5))  # fmt: skip
     columns = ("family", "map", "size", "sequence", "method", "per_task", "seed", "task", "steps", "first_episode",
                "optimum", "truncated", "library_size", "states", "winding")  # fmt: skip
-    return pd.DataFrame(rows, columns=list(columns))
+    return pd.DataFrame(rows, columns=list(columns)).assign(slip=0.0, change=NO_CHANGE)
 
 
 def test_costs_against_tasks_library_size_and_winding_by_hand():
@@ -166,6 +170,83 @@ def test_costs_against_tasks_library_size_and_winding_by_hand():
     entry = next(e for e in read_population() if (e.family, e.seed) == ("rooms", 4000))
     windings = summary.by_winding(lives, [entry])
     assert windings[["winding", "cost"]].values.tolist() == [[entry.winding, pytest.approx(8)]]
+
+
+# -- worlds that slip or change
+
+
+def constant_lives(method: str, steps: int, **world: object) -> pd.DataFrame:
+    """Two lives on each of two maps, optimum 100."""
+    rows = [("rooms", place, 300, "increasing", method, seed, steps, 100, 0) for place in "ab" for seed in range(2)]
+    return pd.DataFrame(rows, columns=list(LIFE_COLUMNS)).assign(**world)
+
+
+def test_costs_in_harder_worlds_stand_beside_those_of_the_certain_one_on_the_same_maps():
+    main = pd.concat([constant_lives("ptl", 800), constant_lives("rmax_memory", 200)])
+    slips = [
+        constant_lives("ptl", 400, slip=0.2, change=NO_CHANGE),
+        constant_lives("rmax_memory", 100, slip=0.2, change=NO_CHANGE),
+    ]
+    door = [
+        constant_lives("ptl", 100, slip=0.0, change="door"),
+        constant_lives("rmax_memory", 300, slip=0.0, change="door"),
+    ]
+    harder = pd.concat([*slips, *door])
+    harder = harder[harder["map"] == "a"]
+    worlds = summary.harder_costs(harder, main, HOW)
+    costs = worlds.set_index(["world", "method"])["cost"].to_dict()
+    expected = {("certain", "ptl"): 8, ("certain", "rmax_memory"): 2, ("slip 0.2", "ptl"): 4}
+    expected |= {("slip 0.2", "rmax_memory"): 1, ("a door changes", "ptl"): 1, ("a door changes", "rmax_memory"): 3}
+    assert costs == pytest.approx(expected)
+    assert set(worlds["maps"]) == {1}
+    looks = {name: Look(name.upper(), "#000000") for name in ("ptl", "rmax_memory")}
+    answer = page.harder_answer(worlds, looks)
+    assert answer["lead"] == "Not the same in all: “RMAX_MEMORY”."
+    assert answer["lines"][1] == "Slip 0.2: cheapest RMAX_MEMORY 1, PTL 4; PTL 4 (× optimum, mean over families)."
+    assert answer["lines"][-1] == "RMAX_MEMORY is dearer than PTL in rooms (a door changes)."
+    same = page.harder_answer(worlds[worlds["world"] != "a door changes"], looks)
+    assert same["lead"] == "Cheaper than PTL in every one of these worlds and families: “RMAX_MEMORY”."
+    [group] = page.harder_table(worlds, looks, {"rooms": "Rooms"}).groups
+    assert [[cell.text for cell in row.cells] for row in group.rows] == [["8", "4", "1"], ["2", "1", "3"]]
+
+
+def test_the_page_answers_its_question_from_mean_costs():
+    methods = {"no_transfer": 1600, "ptl": 800, "rmax_memory": 200}
+    looks = {name: Look(name.upper(), "#000000") for name in methods}
+    costs = summary.costs(pd.concat([constant_lives(*pair) for pair in methods.items()]), HOW)
+    text = page.lead(costs, looks, ["rooms"])
+    assert text.startswith(
+        "PTL’s library takes 8 times the optimum on average, learning from nothing 16 times; of 3 methods"
+    )
+    assert "PTL is number 2 by cost." in text and text.endswith("RMAX_MEMORY 2.")
+    assert "needs no skills" not in page.lead(costs[costs["method"] != "rmax_memory"], looks, ["rooms"])
+    assert page.lead(costs[costs["method"] != "ptl"], looks, ["rooms"]) == ""
+
+
+def test_lives_in_harder_worlds_have_the_optimum_of_their_world(tmp_path):
+    study = SecondStudy.read(
+        {**SMALL, "maps": 1, "article_maps": {"env2": ENV2}, "article_seeds": 1,
+         "harder": {"slips": [0.2], "changes": ["cells"], "methods": ["ptl"], "maps": 1, "article_seeds": 1}}
+    )  # fmt: skip
+    jobs = {(job.family, job.slip, job.change): job for job in planned(study) if job.method == "ptl"}
+    families = {*study.families, "env2"}
+    worlds = ((0.0, NO_CHANGE), (0.2, NO_CHANGE), (0.0, "cells"))
+    assert set(jobs) == {(family, *world) for family in families for world in worlds}
+    assert len({job.place for job in jobs.values()}) == len(jobs)
+    for slip, change in worlds:
+        job = jobs["env2", slip, change]
+        world = load_map(ENV2["map"]).with_slip(slip)
+        path = tmp_path / f"{slip}_{change}.h5"
+        store.write(path, job, job.run({"env2": world}), {"env2": world})
+        arrays = store.read(path, job).arrays
+        if slip:
+            goals = [world.goal(letter) for letter in "AB"]
+            expected = [optimal_steps(world, goal)[world.start] for goal in goals]
+            np.testing.assert_allclose(arrays["optimum"][0], expected)
+            assert (arrays["optimum"] > arrays["shortest"]).all()
+        else:
+            assert (arrays["optimum"] == arrays["shortest"]).all()
+        assert (arrays["steps"] >= job.settings.learning.episodes * arrays["shortest"][:, None]).all()
 
 
 # -- from the design to lives

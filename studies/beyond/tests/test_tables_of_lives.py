@@ -28,6 +28,24 @@ def test_lives_of_other_programs_have_numbers(tmp_path, column):
 
 def test_tasks_that_are_counted_are_numbers(tmp_path):
     path = tmp_path / "tasks.csv"
-    rows = ["chain", "m", "300", "increasing", "ptl", "0", "0", "1", "10", "5", "8", "0", "1", "300", "0.5"]
+    rows = [
+        "chain",
+        "m",
+        "300",
+        "increasing",
+        "0",
+        "none",
+        "ptl",
+        "0",
+        "0",
+        "1",
+        "10",
+        "5",
+        "8",
+        "0",
+        "1",
+        "300",
+        "0.5",
+    ]
     path.write_text(",".join(TASK_COLUMNS) + "\n" + ",".join(rows) + "\n")
     assert read_tasks(path)["task"].tolist() == [1]
