@@ -24,7 +24,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "figures").mkdir()
     for name, width in (("front", 13.3), ("front_narrow", 5.3), ("figure12", 13.3)):
         Figure(figsize=(width, 6)).savefig(folder / f"figures/{name}.png", dpi=50)
-    figures, tables = {"figure12": ("Figure 12: steps", "Mean.")}, {"table1": "Table 1. Jump start"}
+    figures, tables = {"figure12": ("Figure 12: steps", "Mean.", False)}, {"table1": "Table 1. Jump start"}
     titles = {"env1": "An environment with a long name"}
     page = compose_page(**ARGUMENTS | {"titles": titles}, figures=figures, tables=tables, caption="All tasks.")
     (folder / "index.html").write_text(page)
