@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -13,6 +15,7 @@ from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.config import Configuration
 from ptl.files.configuration import completed, read_yaml
 from ptl.files.csv import read_csv
+from ptl.jobs.kinds import modules_of_studies
 from ptl.measures import relative_steps
 from ptl.measures.run_files import read_per_seed
 from ptl.report.ledger import class_counts, counts_text
@@ -21,9 +24,6 @@ from ptl.world.map_files import load_map
 
 CONFIG = Path("config/config.yaml")
 """Configuration of the published run in a checkout."""
-
-SECOND_STUDY, MODEL = "studies/beyond", "rmax_memory"
-"""Folder of the second study, and its learner with a kept model."""
 
 PAGES = {"report": "index.html", "explorer of single runs": "explorer.html", "claims": "claims.md"}
 """Pages of a checkout by title."""
@@ -126,31 +126,25 @@ def speed(published: Path) -> str:
     return "\n".join(lines)
 
 
-def second_study(published: Path) -> str:
-    """Return what a learner with a model costs beside PTL in a sentence on one line; empty without the second study."""
-    if not (published.parents[1] / SECOND_STUDY).is_dir():
-        return ""
-    ratios = read_csv(published.parent / "beyond/ratios.csv")
-    own = ratios[(ratios["method"] == MODEL) & ~ratios["family"].str.match("env[0-9]")]["ratio"]
-    low, high = number(round(own.min(), 2)), number(round(own.max(), 2))
-    return (
-        f"**And beside other methods?** On the {len(own)} families of generated maps of the"
-        f" [second study]({SECOND_STUDY}/README.md), a learner that remembers every transition and plans with them"
-        f" (R-max with a kept model) takes {low} to {high} times as many steps as PTL. Where such a memory is"
-        " allowed, a skill library is not the best that can be done on maps of this size."
-    )
+PARTS: dict[str, Callable[[Path], str]] = {"result": result, "classes": classes, "speed": speed}
+"""What makes each part of the page, by the name in its marks."""
 
-
-PARTS = {"result": result, "second study": second_study, "classes": classes, "speed": speed}
+_PART = re.compile(r"(<!-- published: ([a-z ]+), begin -->).*?(<!-- published: \2, end -->)", re.DOTALL)
 
 
 def filled(text: str, published: Path) -> str:
-    """Return a page with the text between each pair of marks made anew from the published products."""
-    for name, part in PARTS.items():
-        begin, end = (f"<!-- published: {name}, {word} -->" for word in ("begin", "end"))
-        before, mark, rest = text.partition(begin)
-        if mark:
-            made = part(published)
-            lines = ["", made, ""] if "\n" in made else [made] if made else []
-            text = "\n".join([before + begin, *lines, end + rest.partition(end)[2]])
-    return text
+    """Return a page with the text between each pair of marks made anew from the published products.
+
+    A study adds parts by a dictionary ``PARTS`` in its module ``readme``; a part that nothing makes is left empty.
+    """
+    parts = dict(PARTS)
+    for module in modules_of_studies("readme"):
+        parts |= module.PARTS
+
+    def made(match: re.Match[str]) -> str:
+        begin, name, end = match.groups()
+        text = parts[name](published) if name in parts else ""
+        lines = ["", text, ""] if "\n" in text else [text] if text else []
+        return "\n".join([begin, *lines, end])
+
+    return _PART.sub(made, text)

@@ -39,8 +39,8 @@ NO_TRANSFER = "no_transfer"
 FINDERS = ("ptl_random_state", "ptl_original_fd", "ptl_goal", "ptl_farthest", "ptl_covering")
 """PTL with other finders of subgoals; everything else is as in `ptl`."""
 
-READINGS = ("ptl_lead_in", "ptl_reselect", "ptl_initiation_set", "ptl_mixing", "ptl_initial_values")
-"""PTL under each reading of what a drawn skill does."""
+READINGS = ("ptl_lead_in", "ptl_reselect", "ptl_mixing", "ptl_initial_values")
+"""PTL under each other reading of what a drawn skill does."""
 
 TRANSFER = ("full_transfer", "policy_reuse", "policy_reuse_tuned", "plpr", "successor_features")
 """Methods that hand over values or policies instead of skills."""
@@ -249,11 +249,12 @@ def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -
     lines = [f"{looks[name].label}: {comparisons[name].text}." for name in names]
     certain = [name for name in names if _is_told_less(name) and comparisons[name].less]
     if certain:
-        verb = "rely" if len(certain) > 1 else "relies"
+        verb = "are" if len(certain) > 1 else "is"
         lines.append(
-            f"To be fair: {_listed(certain, looks)} {verb} on moves being certain, and a model on a memory of every"
-            " transition. The article’s robot may have neither. On the other hand PTL is told where the goal lies, and"
-            " these methods are not. The table below says what each method may know."
+            f"To be fair: {_listed(certain, looks)} {verb} made for moves that are certain, and a kept model for a"
+            " memory of every transition, which the article’s robot may not have. On the other hand PTL is told where the goal"
+            " lies; these methods are not, though a kept model knows a goal that it has seen. The table below says what"
+            " each method may know."
         )
     return {"lead": _verdicts(comparisons, names, looks), "lines": lines}
 
@@ -425,7 +426,7 @@ def knowledge_table(looks: Mapping[str, Look]) -> Table:
     headings = ("method", "told about the goal", "relies on certain moves", "keeps from task to task")
     return text_table(
         "What each method may know and remember",
-        "Moves in these worlds are deterministic, which some methods rely on and others do not.",
+        "Moves are deterministic except where a world slips; some methods rely on it and others do not.",
         headings,
         rows,
         (
@@ -497,7 +498,8 @@ def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
 
 READING = (
     "How to read this. Cost is the number of steps over all tasks after the first, as a multiple of the optimum"
-    " (episodes × shortest paths): 1 cannot be beaten. Means are geometric, brackets are intervals. A method is called"
+    " (episodes × shortest paths, or expected steps of the best policy where steps slip): 1 cannot be beaten."
+    " Means are geometric, brackets are intervals. A method is called"
     " cheaper or dearer in a family if the whole interval of its ratio to PTL on the same maps lies on one side of 1."
     " The first number of a line is the geometric mean over the generated families, each counting alike. The lines are"
     " made from the numbers of this run."

@@ -20,15 +20,16 @@ LINE, INDENT, FONT = 0.3, 0.3, 12.5
 """Height of a line and width of an indent in inches, and size of the type."""
 
 USES = {
-    "lead_in": ("follow its policy to its subgoal", "explore ε-greedily until the goal is reached"),
+    "lead_in": ("follow its policy to its subgoal", "explore ε-greedily"),
     "reselect": ("follow its policy to its subgoal", "explore ε-greedily for p steps"),
     "initiation_set": (
         "follow its policy to its subgoal",
         "explore ε-greedily for p steps, and follow it again",
         "from states of its initiation set whose Q is unknown",
+        "unless i = 0, explore for p steps more",
     ),
     "mixing": ("explore for p steps with its policy mixed in by π-reuse",),
-    "initial_values": ("start Q from the values of its policy", "explore ε-greedily until the goal is reached"),
+    "initial_values": ("explore ε-greedily",),
 }
 """What a drawn skill does, by ``skills.skill_use``."""
 
@@ -42,21 +43,30 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
 def algorithms(parameters: Parameters) -> pd.DataFrame:
     """Return the lines of the algorithms, columns algorithm, title, line (from 1), indent, text and constants."""
     learning, skills, subgoals = parameters.learning, parameters.skills, parameters.subgoals
-    again = skills.skill_use not in ("lead_in", "initial_values")
+    again, once = skills.skill_use not in ("lead_in", "initial_values"), skills.skill_use == "initial_values"
+    draw = ("draw candidate i with probability ∝ v(i)^κ P(i | g)", f"κ = {number(skills.likelihood_exponent)}")
     known = "a subgoal" if subgoals.known == "subgoals" else "a subgoal or a skill's path"
     learn = [
         (0, "given: a task with goal g, a library with skills 1 … n", ""),
         (0, "candidates: the skills" + ", and 0 for no guidance" * skills.null_skill, ""),
-        (0, "Q ← 0;  v(i) ← 1 for every candidate", ""),
+        (0, "v(i) ← 1 for every candidate", ""),
+        *([(0, *draw)] if once else []),
+        (0, "Q ← " + ("the values of its policy" if once else "0"), ""),
         (0, f"for each of {number(learning.episodes)} episodes:", ""),
         *([(1, "p ← patience in steps", f"{number(skills.patience)} × number of states")] * again),
         (1, "until the goal is reached:", ""),
-        (2, "draw candidate i with probability ∝ v(i)^κ P(i | g)", f"κ = {number(skills.likelihood_exponent)}"),
+        *([] if once else [(2, *draw)]),
         *((2, line, "") for line in USES[skills.skill_use]),
         *([(2, "p ← patience factor × p", number(skills.patience_growth))] * again),
-        (1, "for each candidate i that was drawn:", ""),
-        (2, "v(i) ← (1 − β) v(i) + β / steps of the episode", f"β = {number(skills.likelihood_weight)}"),
-        (1, "for each one not drawn yet:  v(i) ← the best v", ""),
+        *(
+            []
+            if once
+            else [
+                (1, "v(i) of each candidate i that was drawn:  1 / steps at first,", ""),
+                (2, "then (1 − β) v(i) + β / steps of the episode", f"β = {number(skills.likelihood_weight)}"),
+                (1, "v(i) of those never drawn:  the best v", ""),
+            ]
+        ),
         (0, "in each step:  Q(s,a) ← Q(s,a) + α (r + γ max Q(s′,·) − Q(s,a))", ""),
         (1, "", f"α = {number(learning.alpha)},  γ = {number(learning.gamma)},  ε = {number(learning.epsilon)}"),
     ]

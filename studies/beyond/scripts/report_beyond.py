@@ -179,7 +179,7 @@ with running(snakemake) as script:
             {
                 "heading": "Where moves slip and maps change",
                 "text": "With probability p a step goes in a random direction. A door changes: the narrowest passage"
-                " closes and, if a goal is cut off, another opens. Cells change: one in twenty.",
+                " closes, if there is one, and another opens if a goal is cut off. Cells change: one in twenty.",
                 "figures": [pictures["slips"]],
                 "tables": [(table("harder", page.harder_table(worlds, looks, titles), worlds), False)],
             },

@@ -271,7 +271,7 @@ def test_the_shipped_configurations_are_right(monkeypatch):
     monkeypatch.chdir(ROOT)
     study = read_study(FOLDER / "config/beyond.yaml")
     slow = yaml.safe_load((FOLDER / "config/beyond_slow.yaml").read_text())["methods"]
-    assert set(names()) - {*study.methods, *slow} == {"ptl_frontier_path", "ptl_initiation_set"}
+    assert set(names()) - {*study.methods, *slow} == {"ptl_frontier_path"}
     jobs = planned(study)
     places = {
         (job.family, job.sequence, job.method, job.per_task, job.slip, job.change, place)
