@@ -252,9 +252,9 @@ def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -
         verb = "are" if len(certain) > 1 else "is"
         lines.append(
             f"To be fair: {_listed(certain, looks)} {verb} made for moves that are certain, and a kept model for a"
-            " memory of every transition, which the article’s robot may not have. On the other hand PTL is told where the goal"
-            " lies; these methods are not, though a kept model knows a goal that it has seen. The table below says what"
-            " each method may know."
+            " memory of every transition, which the article’s robot may not have. On the other hand PTL is told where"
+            " the goal lies; these methods are not, though a kept model knows a goal that it has seen. The table below"
+            " says what each method may know."
         )
     return {"lead": _verdicts(comparisons, names, looks), "lines": lines}
 

@@ -54,7 +54,7 @@ def test_a_rival_is_called_what_it_is():
 
 
 def test_what_a_rival_may_know_is_said_beside_its_win():
-    fair = "To be fair: “R-max, model kept” relies on moves being certain"
+    fair = "To be fair: “R-max, model kept” is made for moves that are certain"
     assert fair in said(rmax_memory=0.1)[0]
     assert fair not in said(rmax_memory=3.0)[0]
 
