@@ -193,14 +193,15 @@ def lead(costs: pd.DataFrame, looks: Mapping[str, Look], families: Sequence[str]
     means = np.exp(np.log(own["cost"]).groupby(own["method"], sort=False).mean()).sort_values()
     if BASE not in means or NO_TRANSFER not in means:
         return ""
+    shown = {name: number(round(cost, 2)) for name, cost in means.items()}
     text = (
-        f"PTL’s library takes {number(means[BASE])} times the optimum on average, learning from nothing"
-        f" {number(means[NO_TRANSFER])} times; of {len(means)} methods here PTL is number"
+        f"PTL’s library takes {shown[BASE]} times the optimum on average, learning from nothing"
+        f" {shown[NO_TRANSFER]} times; of {len(means)} methods here PTL is number"
         f" {list(means.index).index(BASE) + 1} by cost."
     )
     better = [name for name in (MODEL, PLAN) if name in means and means[name] < means[BASE]]
     if better:
-        listed = " and ".join(f"{looks[name].label} {number(means[name])}" for name in better)
+        listed = " and ".join(f"{looks[name].label} {shown[name]}" for name in better)
         text += f" A robot that may keep what it has seen of the house needs no skills on maps of this size: {listed}."
     return text
 
