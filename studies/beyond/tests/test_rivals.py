@@ -93,7 +93,7 @@ def test_maxqinit_by_hand():
 # -- the readings of what a skill does
 
 
-@pytest.mark.parametrize("use", ["lead_in", "reselect", "initiation_set", "mixing", "initial_values"])
+@pytest.mark.parametrize("use", ["lead_in", "reselect", "mixing", "initial_values"])
 def test_a_named_reading_is_ptl_with_that_reading(use):
     """Equal lives from equal random numbers, whatever the configuration says for the named one."""
     world = GridWorld.from_text(chain_of_rooms(5, 4, "ABC"), "chain")
