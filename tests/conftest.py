@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import shutil
 from collections.abc import Iterator
@@ -47,9 +48,15 @@ def published_maps(env1: GridWorld, env2: GridWorld, env3: GridWorld) -> dict[st
 @pytest.fixture(scope="session")
 def tiny(tmp_path_factory: pytest.TempPathFactory) -> Project:
     """A copy of the checkout in which everything has been made; a test that changes it puts it back."""
-    project = Project(tmp_path_factory.mktemp("tiny"))
-    project.make()
-    return project
+    base = tmp_path_factory.getbasetemp()
+    made = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "tiny-made"
+    with made.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)  # one worker makes it, the others wait
+        if not made.is_dir():
+            project = Project(tmp_path_factory.mktemp("tiny-making"))
+            project.make()
+            project.folder.rename(made)
+    return Project.copy_of(made, tmp_path_factory.mktemp("tiny") / "copy")
 
 
 CHROMIUM_FLAGS = (

@@ -51,6 +51,14 @@ class Project:
         if config is not None:
             self.configure({**config, **changes})
 
+    @classmethod
+    def copy_of(cls, folder: Path, target: Path) -> Project:
+        """Copy the folder of a project with all that was made in it."""
+        copy = object.__new__(cls)
+        copy.folder = target
+        shutil.copytree(folder, target, symlinks=True)
+        return copy
+
     def add_study(self, name: str) -> None:
         """Copy a folder of studies/."""
         target = self.folder / "studies"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -53,12 +52,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory) -> Project:
 
 
 @pytest.fixture
-def run(finished: Project, tmp_path: Path) -> Iterator[Project]:
+def run(finished: Project, tmp_path: Path) -> Project:
     """A copy of the finished run."""
-    copy = object.__new__(Project)
-    copy.folder = tmp_path / "copy"
-    shutil.copytree(finished.folder, copy.folder, symlinks=True)
-    yield copy
+    return Project.copy_of(finished.folder, tmp_path / "copy")
 
 
 def forget(run: Project) -> None:
