@@ -16,7 +16,7 @@ from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.mazes import FAMILIES
 from studies.beyond.changes import RULES
-from studies.beyond.maps import MAIN, SEQUENCES
+from studies.beyond.maps import MAIN, RETURNING, SEQUENCES
 from studies.beyond.methods import module_of, reference
 from studies.beyond.population import BANDS, MAPS, SIZE
 
@@ -58,6 +58,15 @@ class Harder(Group, frozen=True, kw_only=True):
     changes: Annotated[list[str], key("Rules by which maps change.", wanted="a list of names")] = []  # noqa: RUF012
     methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
     maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+    article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 10
+
+
+class Returning(Group, frozen=True, kw_only=True):
+    """Lives that end with the first task once more, on the first maps of each family and on the article's maps."""
+
+    methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+    seeds: Annotated[int, key("Lives on each map.", ge=1, le=10**5)] = 3
     article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 10
 
 
@@ -109,6 +118,7 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
     sequences: Sequences = Sequences()
     library_sizes: LibrarySizes = LibrarySizes()
     harder: Harder = Harder()
+    returning: Returning = Returning()
     explorer: Shown = Shown()
     batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
     statistics: Statistics = Statistics()
@@ -117,11 +127,12 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         super().__post_init__()
         for name, given, known in (
             ("families", self.families, FAMILIES),
-            ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s != MAIN]),
+            ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s not in (MAIN, RETURNING)]),
             ("sequences.methods", self.sequences.methods, self.methods),
             ("library_sizes.methods", self.library_sizes.methods, self.methods),
             ("harder.changes", self.harder.changes, RULES),
             ("harder.methods", self.harder.methods, self.methods),
+            ("returning.methods", self.returning.methods, self.methods),
             ("explorer.methods", self.explorer.methods, self.methods),
         ):
             for value in given:
