@@ -210,13 +210,14 @@ def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
     lived : iterable of str
         Families with lives of other programs.
     """
-    tables, numbers = ["costs", "ratios", "improvement", "components"], ["winding_trends", "sequences"]
+    tables, numbers = ["costs", "ratios", "improvement", "components", "sequences"], []
     figures = ["strip", "overview", "profiles", "tasks"]
     sizes = study.library_sizes
     if sizes.methods and sizes.per_task and (study.families or study.article_maps or study.moving_ai):
         figures.append("library_size")
     if study.families and (study.methods or {*lived} & {*study.families}):
-        figures.append("winding")
+        figures.append("hardness")
+        tables.append("hardness_trends")
     if study.is_harder:
         tables.append("harder")
         numbers.append("per_life_harder")
