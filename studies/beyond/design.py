@@ -187,6 +187,11 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         return bool(self.harder.methods and (self.harder.slips or self.harder.changes))
 
     @property
+    def returns(self) -> bool:
+        """Whether methods are sent back to the first task on some map."""
+        return bool(self.returning.methods and (self.families or self.article_maps))
+
+    @property
     def modules(self) -> list[str]:
         """Modules of the package that give the methods their names and colours."""
         return [name for method in self.methods if (name := module_of(method))]
@@ -218,6 +223,8 @@ def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
     if study.families and (study.methods or {*lived} & {*study.families}):
         figures.append("hardness")
         tables.append("hardness_trends")
+    if study.returns:
+        tables.append("lifelong")
     if study.is_harder:
         tables.append("harder")
         numbers.append("per_life_harder")

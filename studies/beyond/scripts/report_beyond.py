@@ -10,7 +10,7 @@ from ptl.measures.statistics import Resampling
 from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
-from studies.beyond import figures, page, summary
+from studies.beyond import figures, lifelong, page, summary
 from studies.beyond.collect import certain, foreign_lives, per_life_harder, read_lives, read_tasks
 from studies.beyond.design import SecondStudy
 from studies.beyond.maps import MAIN
@@ -188,6 +188,17 @@ with running(snakemake) as script:
         )
         if len(trends):
             questions.append(page.hardness_answer(trends, looks))
+    if study.returns:
+        gains = lifelong.measures(tasks, generated, how)
+        sections.insert(
+            1,
+            {
+                "heading": "What a life keeps and gains",
+                "text": lifelong.sentence(gains, looks),
+                "figures": [],
+                "tables": [(table("lifelong", lifelong.table(gains, looks), gains), True)],
+            },
+        )
     if study.is_harder:
         harder = per_life_harder(all_tasks)
         write_csv(harder, folder / "per_life_harder.csv")
