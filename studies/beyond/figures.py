@@ -207,7 +207,7 @@ def slips(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
     Parameters
     ----------
     frame : DataFrame
-        As `harder_costs` makes it.
+        The costs that `by_world` makes, of all worlds.
     """
     families = [family for family in titles if family in set(frame["family"])]
     worlds = list(dict.fromkeys(frame["world"]))

@@ -419,14 +419,14 @@ def rank_correlation(groups: Iterable[tuple[np.ndarray, np.ndarray]]) -> np.ndar
     groups : iterable of pairs of arrays (..., maps)
         Two measures of the maps of each group. The covariances and the variances of the ranks are added over groups.
     """
-    together, spread = 0.0, [0.0, 0.0]
+    sums = []
     for pair in groups:
         left, right = (
             ranks - ranks.mean(axis=-1, keepdims=True) for ranks in (stats.rankdata(own, axis=-1) for own in pair)
         )
-        together = together + (left * right).sum(axis=-1)
-        spread = [spread[0] + (left**2).sum(axis=-1), spread[1] + (right**2).sum(axis=-1)]
-    scale = np.sqrt(np.multiply(*spread))
+        sums.append([(left * right).sum(axis=-1), (left**2).sum(axis=-1), (right**2).sum(axis=-1)])
+    together, of_left, of_right = np.sum(sums, axis=0)
+    scale = np.sqrt(of_left * of_right)
     return np.divide(together, scale, out=np.full(np.shape(scale), np.nan), where=scale > 0)
 
 

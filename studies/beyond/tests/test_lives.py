@@ -148,7 +148,7 @@ def test_hardness_by_hand():
 
 
 def test_rank_correlations_by_hand():
-    """Orders that are kept, turned, both at once in two groups, tied, and without a variation in one group or in all."""
+    """Orders that are kept, turned, both at once in two groups, tied, and without variation in one group or in all."""
     x, y = np.array([1.0, 2, 3]), np.array([10.0, 20, 30])
     assert summary.rank_correlation([(x, y)]) == pytest.approx(1)
     assert summary.rank_correlation([(x, -y)]) == pytest.approx(-1)
@@ -163,13 +163,13 @@ def test_rank_correlations_by_hand():
 def test_trends_with_hardness_are_over_all_maps_and_within_families():
     """In both families the cost falls with the diameter, yet the family of wide maps is the dearer one."""
     frame = pd.DataFrame(
-        {"family": ["a"] * 4 + ["b"] * 4, "map": list("12345678"), "diameter": [1, 2, 3, 4, 11, 12, 13, 14],
-         "winding": np.linspace(1, 2, 8), "no_transfer": 50.0, "ptl": [4.0, 3, 2, 1, 24, 23, 22, 21]}
+        {"family": ["a"] * 6 + ["b"] * 6, "map": list("abcdefghijkl"), "diameter": [1, 2, 3, 4, 5, 6, *range(11, 17)],
+         "winding": np.linspace(1, 2, 12), "no_transfer": 50.0, "ptl": [6.0, 5, 4, 3, 2, 1, *range(26, 20, -1)]}
     )  # fmt: skip
     trends = summary.hardness_trends(frame, HOW).set_index(["cost", "hardness", "scope"])
-    # ranks 4 3 2 1 8 7 6 5 beside 1 to 8: squared differences 2 (9 + 1 + 1 + 9) = 40; 1 - 6 x 40 / (8 x 63)
+    # differences of ranks in a family are 5 3 1 1 3 5, their squares 70; 1 - 6 x 140 / (12 x 143) over both
     everywhere = trends.loc["ptl", "diameter", summary.ALL_MAPS]
-    assert everywhere["value"] == pytest.approx(1 - 240 / 504)
+    assert everywhere["value"] == pytest.approx(1 - 840 / 1716)
     assert 0 < everywhere["low"] < everywhere["high"] < 1
     assert trends.loc["ptl", "diameter", summary.WITHIN].tolist() == pytest.approx([-1, -1, -1])
     assert trends.loc[
@@ -180,7 +180,7 @@ def test_trends_with_hardness_are_over_all_maps_and_within_families():
     assert np.isnan(trends.loc["no_transfer", "diameter", summary.ALL_MAPS]["value"])
     looks = {"ptl": Look("PTL", "#000000")}
     answer = page.hardness_answer(trends.reset_index(), looks)
-    assert "over all maps: diameter 0.52 [" in answer["lead"] and "(saves less)" in answer["lead"]
+    assert "over all maps: diameter 0.51 [" in answer["lead"] and "(saves less)" in answer["lead"]
     assert "within families: diameter −1 [−1, −1] (saves more)" in answer["lead"]
     assert answer["lines"] == [line for line in answer["lines"] if line.startswith("Of the cost of “PTL”, over all")]
 
