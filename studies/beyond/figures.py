@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm
 
+from ptl.methods import BaseMethod
 from ptl.report.figures import style
 from ptl.text import number
 from studies.beyond.lives import NO_CHANGE
@@ -26,11 +27,12 @@ TICKS = [1, 2, 5, 10, 20, 50, 100, 200, 500]
 
 @dataclass(frozen=True)
 class Look:
-    """Label and colour of a method."""
+    """Label and colour of a method, and what it may know (see `ptl.methods.BaseMethod`)."""
 
     label: str
     colour: str
     dashed: bool = False
+    knows: tuple[str, str, str] = BaseMethod.knows
 
 
 def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], legend: float = 0.0) -> tuple:
@@ -98,12 +100,16 @@ def _curves(
     return figure
 
 
+def _by_family(costs: pd.DataFrame, families: Sequence[str]) -> pd.DataFrame:
+    """Return costs with a row for each method, in the order of its mean cost, and a column for each family."""
+    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=families)
+    return table.loc[np.log(table).mean(axis=1).sort_values().index]
+
+
 @style.styled
 def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
     """Draw the cost of every method in every family as a coloured number, methods in the order of their mean cost."""
-    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=list(titles))
-    means = np.exp(np.log(table).mean(axis=1))
-    table = table.loc[means.sort_values().index]
+    table = _by_family(costs, list(titles))
     rows, columns = table.shape
     figure = style.new_figure(style.SLIDE_WIDTH, 0.33 * rows + 1.6)
     ax = figure.add_subplot()
@@ -128,20 +134,22 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
 
 @style.styled
 def overview(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
-    """Draw the cost of every method, one panel a family."""
+    """Draw the cost of every method, one panel a family, methods in the order of their mean cost."""
     families = list(dict.fromkeys(costs["family"]))
-    methods = [method for method in looks if method in set(costs["method"])]
+    methods = list(_by_family(costs, families).index)
     figure, axes, grid = _panels(families, 0.28 * len(methods) + 0.8, titles)
     for family, ax in axes.items():
         own = costs[costs["family"] == family].set_index("method").reindex(methods)
         places = np.arange(len(methods))[::-1]
         colours = [looks[method].colour for method in methods]
         ax.hlines(places, own["low"], own["high"], color=colours, linewidth=4, alpha=0.35)
-        ax.scatter(own["cost"], places, color=colours, s=42, zorder=3)
+        ax.scatter(own["cost"], places, color=colours, s=42, zorder=3, clip_on=False)
         _cost_axis(ax, "x", 1.0, costs[["cost", "high"]].max().max())
         ax.set_yticks(places, [looks[method].label for method in methods], fontsize=11.5)
         ax.grid(axis="y", visible=False)
     _label_sides(grid, families, "cost, × optimum", "")
+    for ax in axes.values():
+        ax.tick_params(labelbottom=True)
     return figure
 
 

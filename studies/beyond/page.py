@@ -122,12 +122,12 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
     colours = itertools.cycle(OTHER_COLOURS)
     looks = {}
     for name in sorted({*references, *others}, key=order.__getitem__):
+        dashed = name not in KNOWLEDGE or name in RIVALS
         if name in references or name in built_in:
             kind = methods.load(references.get(name) or our_methods.reference(name))
-            label, colour = kind.label, kind.colour
+            looks[name] = Look(kind.label, kind.colour, dashed, KNOWLEDGE.get(name, kind.knows))
         else:
-            label, colour = name.replace("_", " ").capitalize(), next(colours)
-        looks[name] = Look(label, colour, dashed=name not in KNOWLEDGE or name in RIVALS)
+            looks[name] = Look(name.replace("_", " ").capitalize(), next(colours), dashed)
     return looks
 
 
@@ -188,14 +188,20 @@ MODEL, PLAN = "rmax_memory", "free_space_memory"
 
 
 def lead(costs: pd.DataFrame, looks: Mapping[str, Look], families: Sequence[str]) -> str:
-    """Answer the page's question in two sentences, from mean costs over the generated families."""
+    """Say where the reader's own methods come by mean cost over the generated families, and answer the question."""
     own = costs[costs["family"].isin(families)] if len(families) else costs
     means = np.exp(np.log(own["cost"]).groupby(own["method"], sort=False).mean()).sort_values()
-    if BASE not in means or NO_TRANSFER not in means:
-        return ""
     shown = {name: number(round(cost, 2)) for name, cost in means.items()}
-    text = (
-        f"PTL’s library takes {shown[BASE]} times the optimum on average, learning from nothing"
+    text = " ".join(
+        f"“{looks[name].label}” takes {shown[name]} times the optimum on average: number {place} of"
+        f" {_counted(len(means), 'method')} by cost."
+        for place, name in enumerate(means.index, start=1)
+        if name not in KNOWLEDGE
+    )
+    if BASE not in means or NO_TRANSFER not in means:
+        return text
+    text += (
+        f"{' ' * bool(text)}PTL’s library takes {shown[BASE]} times the optimum on average, learning from nothing"
         f" {shown[NO_TRANSFER]} times; of {len(means)} methods here PTL is number"
         f" {list(means.index).index(BASE) + 1} by cost."
     )
@@ -238,17 +244,17 @@ def _verdicts(comparisons: Mapping[str, AgainstPTL], names: Sequence[str], looks
     return _sentence("; ".join(filter(None, parts)))
 
 
-def _is_told_less(name: str) -> bool:
+def _is_told_less(look: Look) -> bool:
     """Return whether a method relies on certain moves and is not told where the goal lies."""
-    goal, moves, _ = KNOWLEDGE.get(name, ("", "", ""))
+    goal, moves, _ = look.knows
     return moves == CERTAIN and COORDINATES not in goal
 
 
 def _against(comparisons: Mapping[str, AgainstPTL], looks: Mapping[str, Look]) -> dict[str, Any]:
-    names = [name for name in (NO_TRANSFER, *RIVALS, *OPTIONS) if name in comparisons]
-    names += [name for name in comparisons if name not in KNOWLEDGE]
+    names = [name for name in comparisons if name not in KNOWLEDGE]  # the reader's own come first
+    names += [name for name in (NO_TRANSFER, *RIVALS, *OPTIONS) if name in comparisons]
     lines = [f"{looks[name].label}: {comparisons[name].text}." for name in names]
-    certain = [name for name in names if _is_told_less(name) and comparisons[name].less]
+    certain = [name for name in names if _is_told_less(looks[name]) and comparisons[name].less]
     if certain:
         verb = "are" if len(certain) > 1 else "is"
         lines.append(
@@ -423,7 +429,7 @@ def wide_table(
 
 def knowledge_table(looks: Mapping[str, Look]) -> Table:
     """Lay out what each method may know and remember."""
-    rows = [(look.label, *KNOWLEDGE.get(name, ("not stated",) * 3)) for name, look in looks.items()]
+    rows = [(look.label, *look.knows) for look in looks.values()]
     headings = ("method", "told about the goal", "relies on certain moves", "keeps from task to task")
     return text_table(
         "What each method may know and remember",
@@ -471,21 +477,28 @@ def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
     """Describe the runs."""
     own = lives[lives["sequence"] == MAIN]
     maps = own.groupby("family")["map"].nunique()
-    places = [f"{len(maps)} families of generated maps, {number(int(maps.min()))} maps each"] if len(maps) else []
+    families, each = _counted(len(maps), "family", "families"), _counted(int(maps.min()) if len(maps) else 0, "map")
+    places = [f"{families} of generated maps, {each} each"] if len(maps) else []
     if study.families and places:
         places[0] += (
-            f" of about {number(study.size)} states (band “{study.band}”), with {number(study.seeds)} lives on each map"
+            f" of about {number(study.size)} states (band “{study.band}”), with"
+            f" {_counted(study.seeds, 'life', 'lives')} on each map"
         )
     if study.article_maps:
         places.append(
-            f"{number(len(study.article_maps))} maps of the article, with {number(study.article_seeds)} lives"
+            f"{_counted(len(study.article_maps), 'map')} of the article, with"
+            f" {_counted(study.article_seeds, 'life', 'lives')}"
         )
     return (
         "A second study with the package, apart from the reproduction: methods, maps and numbers are not the article’s,"
-        f" except where its maps are named. {number(int(lives['method'].nunique()))} methods on"
-        f" {' and on '.join(places)}. A life is six tasks of {number(study.learning.episodes)} episodes;"
-        f" {number(len(lives))} lives in all."
+        f" except where its maps are named. {_counted(int(lives['method'].nunique()), 'method')} on"
+        f" {' and on '.join(places)}. A life is six tasks of {_counted(study.learning.episodes, 'episode')};"
+        f" {_counted(len(lives), 'life', 'lives')} in all."
     )
+
+
+def _counted(count: int, noun: str, nouns: str = "") -> str:
+    return f"{number(count)} {noun if count == 1 else nouns or f'{noun}s'}"
 
 
 def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
@@ -493,8 +506,9 @@ def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
     names = methods.by_identifier(map(our_methods.reference, study.explorer.methods))
     if not names:
         return ""
-    maps = len(shown(study))
-    return f"one more life of {_listed(list(names), looks)} on each of {number(maps)} maps, step by step."
+    return (
+        f"one more life of {_listed(list(names), looks)} on each of {_counted(len(shown(study)), 'map')}, step by step."
+    )
 
 
 READING = (
