@@ -162,7 +162,7 @@ def _read(path: Path, columns: Mapping[str, str]) -> tuple[pd.DataFrame, list[st
         return _wandb(frame, path)
     if {"episode", "episode_len", "steps"} <= set(names):
         return _bsuite(frame, path)
-    if "steps" not in names and any(LENGTH.search(name) and "mean" in name for name in names):
+    if "steps" not in names and (_means(names) or _single(names)):
         return _progress(frame, path)
     return frame, []
 
@@ -225,21 +225,31 @@ def _progress(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]
 
     RLlib's ``hist_stats/episode_lengths`` ends in the lengths of the iteration's episodes; other files have means only.
     """
-    single = next((name for name in frame if name.endswith("hist_stats/episode_lengths")), None)
-    count = next((name for name in frame if name.endswith("episodes_this_iter")), None)
-    if single is not None and count is not None:
+    if single := _single(list(frame)):
         lengths: list[str] = []
-        for cell, number in zip(frame[single], frame[count], strict=True):
+        for cell, number in zip(frame[single[0]], frame[single[1]], strict=True):
             newest = int(whole_number(number)) if whole_number(number) else 0
             lengths += re.findall("[0-9]+", cell)[-newest:] if newest else []
         return pd.DataFrame({"steps": lengths}, dtype=str), []
-    names = [name for name in frame if LENGTH.search(name) and "mean" in name]
-    names = [name for name in names if "eval" not in name] or names  # not the episodes between those of learning
+    names = _means(list(frame))
     found = frame[names].replace(["", "nan", "NaN"], np.nan).bfill(axis=1).iloc[:, 0].dropna()
     return (
         pd.DataFrame({"steps": _rounded(found, names[0], path)}),
         [f"column {names[0]} has means over the episodes of an iteration: {AS_ONE}"],
     )
+
+
+def _single(names: Sequence[str]) -> list[str]:
+    """Return the columns with the lengths of single episodes and with their number, if there are both."""
+    ends = ("hist_stats/episode_lengths", "episodes_this_iter")
+    found = [next((name for name in names if name.endswith(end)), "") for end in ends]
+    return found if all(found) else []
+
+
+def _means(names: Sequence[str]) -> list[str]:
+    """Return the columns with mean lengths: those of evaluation, between the episodes of learning, only if alone."""
+    means = [name for name in names if LENGTH.search(name) and "mean" in name]
+    return [name for name in means if "eval" not in name] or means
 
 
 AS_ONE = "an iteration counts as one episode, its mean rounded to whole steps"
