@@ -17,13 +17,15 @@ from ptl import methods
 from ptl.agent import seeding
 from ptl.config import TITLE, Parameters
 from ptl.errors import UserError
-from ptl.keys import allowed, key
+from ptl.keys import allowed, key, shortened
 from ptl.learning.life import Life, learn_life, tasks_of
 from ptl.methods import BaseMethod
 from ptl.world.gridworld import GridWorld
 
 Label = Annotated[str, key("", **{**TITLE, "min_length": 1})]
 Colour = Annotated[str, key("", pattern=r"^#[0-9a-f]{6}\Z", wanted="#rrggbb with lower-case digits")]
+
+Knowledge = Annotated[tuple[Label, Label, Label], key("", wanted="a tuple of three texts, see BaseMethod")]
 
 TRIAL_WORLD = GridWorld.from_text("I...\n.#.A\n...B\n", "trial")
 SILENT_SECONDS = 3
@@ -41,14 +43,14 @@ def check_method(method: str | methods.Maker) -> None:
     """
     methods.identifier(method)
     kind = methods.load(method) if isinstance(method, str) else method
-    for name, wanted in (("label", Label), ("colour", Colour)):
+    fields = {"label": Label, "colour": Colour} | ({"knows": Knowledge} if hasattr(kind, "knows") else {})
+    for name, wanted in fields.items():
         value = getattr(kind, name, None)
         try:
             msgspec.convert(value, wanted)
         except msgspec.ValidationError:
-            raise UserError(
-                f"method {methods.shown(method)}: {name} = {value!r} is not allowed; give {allowed(wanted)}"
-            ) from None
+            problem = f"{name} = {shortened(repr(value))} is not allowed" if hasattr(kind, name) else f"has no {name}"
+            raise UserError(f"method {methods.shown(method)}: {problem}; give {allowed(wanted)}") from None
     _check_interface(method, kind)
     if _numbers(_trial(method)) != _numbers(_trial(method)):
         raise UserError(

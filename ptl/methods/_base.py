@@ -34,6 +34,9 @@ class BaseMethod:
         How tables and figures show the method (colour as ``#rrggbb``).
     name : str
         Identifier in files and random streams; a class ``Method`` leaves it out and is called after its file.
+    knows : tuple of three str
+        What it is told about the goal; whether it relies on certain moves, "yes" or "no"; and what it keeps from task
+        to task. The second study's page shows it; a method may leave it out.
     library : SkillLibrary or None
         The skill library if the method keeps one; it is updated after each task.
     """
@@ -41,6 +44,7 @@ class BaseMethod:
     label: ClassVar[str]
     colour: ClassVar[str]
     name: ClassVar[str]
+    knows: ClassVar[tuple[str, str, str]] = ("not stated", "not stated", "not stated")
 
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         self.world = world
@@ -56,8 +60,8 @@ class BaseMethod:
         """Return what to do in each episode of the task that has begun."""
         raise NotImplementedError
 
-    def run_episode(self, learner: Learner) -> list[int]:
-        """Bring the agent from the start to the goal, by the plan; return the skills or arms drawn, in order."""
+    def run_episode(self, learner: Learner) -> list[int] | None:
+        """Bring the agent from the start to the goal, by the plan; return the skills or arms drawn if any."""
         return self.plan().run(learner)
 
     def end_task(self, learner: Learner) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm
 
+from ptl.methods import BaseMethod
 from ptl.report.figures import style
 from ptl.text import number
 from studies.beyond.lives import NO_CHANGE
@@ -27,11 +28,12 @@ RATIO_TICKS = [0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100]
 
 @dataclass(frozen=True)
 class Look:
-    """Label and colour of a method."""
+    """Label and colour of a method, and what it may know (see `ptl.methods.BaseMethod`)."""
 
     label: str
     colour: str
     dashed: bool = False
+    knows: tuple[str, str, str] = BaseMethod.knows
 
 
 def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], legend: float = 0.0) -> tuple:
@@ -99,6 +101,12 @@ def _curves(
     return figure
 
 
+def _by_family(costs: pd.DataFrame, families: Sequence[str]) -> pd.DataFrame:
+    """Return costs with a row for each method, in the order of its mean cost, and a column for each family."""
+    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=families)
+    return table.loc[np.log(table).mean(axis=1).sort_values().index]
+
+
 @style.styled
 def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
     """Draw the cost of every method in every family as a coloured number, methods in the order of their mean cost.
@@ -139,7 +147,7 @@ def overview(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str
     value, low, high = ("ratio", "ratio_low", "ratio_high") if costs["ratio"].notna().any() else ("cost", "low", "high")
     costs = costs.dropna(subset=[value])
     families = list(dict.fromkeys(costs["family"]))
-    methods = [method for method in looks if method in set(costs["method"])]
+    methods = list(_by_family(costs, families).index)
     figure, axes, grid = _panels(families, 0.28 * len(methods) + 0.8, titles)
     ends = costs[[value, low, high]]
     for family, ax in axes.items():

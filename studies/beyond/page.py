@@ -126,12 +126,12 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
     colours = itertools.cycle(OTHER_COLOURS)
     looks = {}
     for name in sorted({*references, *others}, key=order.__getitem__):
+        dashed = name not in KNOWLEDGE or name in RIVALS
         if name in references or name in built_in:
             kind = methods.load(references.get(name) or our_methods.reference(name))
-            label, colour = kind.label, kind.colour
+            looks[name] = Look(kind.label, kind.colour, dashed, KNOWLEDGE.get(name, kind.knows))
         else:
-            label, colour = name.replace("_", " ").capitalize(), next(colours)
-        looks[name] = Look(label, colour, dashed=name not in KNOWLEDGE or name in RIVALS)
+            looks[name] = Look(name.replace("_", " ").capitalize(), next(colours), dashed)
     return looks
 
 
@@ -280,9 +280,9 @@ def _verdicts(compared: Mapping[str, Comparison], names: Sequence[str], looks: M
     return _sentence("; ".join(filter(None, parts)))
 
 
-def _is_told_less(name: str) -> bool:
+def _is_told_less(look: Look) -> bool:
     """Return whether a method relies on certain moves and is not told where the goal lies."""
-    goal, moves, _ = KNOWLEDGE.get(name, ("", "", ""))
+    goal, moves, _ = look.knows
     return moves == CERTAIN and COORDINATES not in goal
 
 
@@ -535,7 +535,7 @@ def trends_table(trends: pd.DataFrame, looks: Mapping[str, Look]) -> Table:
 
 def knowledge_table(looks: Mapping[str, Look]) -> Table:
     """Lay out what each method may know and remember."""
-    rows = [(look.label, *KNOWLEDGE.get(name, ("not stated",) * 3)) for name, look in looks.items()]
+    rows = [(look.label, *look.knows) for look in looks.values()]
     headings = ("method", "told about the goal", "relies on certain moves", "keeps from task to task")
     return text_table(
         "What each method may know and remember",
@@ -600,13 +600,18 @@ def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
     )
 
 
+def _counted(count: int, noun: str, nouns: str = "") -> str:
+    return f"{number(count)} {noun if count == 1 else nouns or f'{noun}s'}"
+
+
 def explorer_line(study: SecondStudy, looks: Mapping[str, Look]) -> str:
     """Describe the explorer; empty without one."""
     names = methods.by_identifier(map(our_methods.reference, study.explorer.methods))
     if not names:
         return ""
-    maps = len(shown(study))
-    return f"one more life of {_listed(list(names), looks)} on each of {number(maps)} maps, step by step."
+    return (
+        f"one more life of {_listed(list(names), looks)} on each of {_counted(len(shown(study)), 'map')}, step by step."
+    )
 
 
 READING = (

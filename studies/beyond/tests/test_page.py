@@ -120,6 +120,25 @@ def test_every_method_says_what_it_may_know():
     assert cells["R-max, model kept"][1] == "yes"
 
 
+def test_the_readers_own_method_leads_the_page_and_says_what_it_knows(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from ptl.methods.no_transfer import Method as Base\n\nclass Method(Base):\n"
+        "    label, colour, knows = 'My own', '#123456', ('nothing', 'yes', 'walls')\n"
+    )
+    study = SecondStudy.read({"methods": ["no_transfer", "ptl", str(tmp_path / "mine.py")]})
+    frame = lives(no_transfer=4.0, mine=0.5)
+    looks, costs = page.looks_of(study, frame["method"]), summary.costs(frame, HOW)
+    first = page.answers(costs, looks, FAMILIES, summary.variance_components(frame), page.titles_of(FAMILIES, ()))[0]
+    assert first["lines"][0].startswith("My own: ") and "To be fair: “My own” is made for moves" in first["lines"][-1]
+    assert page.lead(costs, looks, FAMILIES).startswith("“My own” takes ")
+    assert "number 1 of 3 methods by cost. PTL’s library" in page.lead(costs, looks, FAMILIES)
+    own = costs[costs["method"] == "mine"]
+    assert page.lead(own, looks, FAMILIES).endswith("number 1 of 1 method by cost.")
+    assert "1 family of generated maps, 8 maps each" in page.introduction(study, frame[frame["family"] == "chain"])
+    [row] = [row for row in page.knowledge_table(looks).groups[0].rows if row.label == "My own"]
+    assert [cell.text for cell in row.cells] == ["nothing", "yes", "walls"]
+
+
 def test_figures_have_a_panel_for_each_family_and_a_curve_for_each_method():
     frame = lives(no_transfer=4.0, rmax_memory=0.1)
     looks, titles = page.looks_of(STUDY, frame["method"]), page.titles_of(FAMILIES, ())
