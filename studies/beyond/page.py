@@ -225,13 +225,18 @@ def sign(found: Estimate, null: float = 1.0) -> int:
 
 
 def lead(means: Means, looks: Mapping[str, Look], families: Sequence[str]) -> str:
-    """Answer the page's question from ratios on the same maps, over some families."""
+    """Answer the page's question from ratios on the same maps, over some families; the reader's own methods first."""
     names = means.methods(families)
     if BASE not in names or NO_TRANSFER not in names:
         return ""
+    text = "".join(
+        f"“{looks[name].label}” takes {times(means.ratio(families, name, BASE))} times PTL’s steps. "
+        for name in names
+        if name not in KNOWLEDGE
+    )
     ratios = {name: means.ratio(families, name, BASE) for name in names if name != BASE}
     signs = [sign(ratio) for ratio in ratios.values()]
-    text = (
+    text += (
         f"On the same maps PTL takes {times(means.ratio(families, BASE, NO_TRANSFER))} times as many steps as learning"
         f" every task from nothing. Of {len(ratios)} other methods {signs.count(-1)} cost less than PTL,"
         f" {signs.count(1)} more, and {signs.count(0)} cannot be told from it."
@@ -287,10 +292,10 @@ def _is_told_less(look: Look) -> bool:
 
 
 def _against(compared: Mapping[str, Comparison], looks: Mapping[str, Look]) -> dict[str, Any]:
-    names = [name for name in (*RIVALS, *OPTIONS) if name in compared]
-    names += [name for name in compared if name not in KNOWLEDGE]
+    names = [name for name in compared if name not in KNOWLEDGE]
+    names += [name for name in (*RIVALS, *OPTIONS) if name in compared]
     lines = []
-    certain = [name for name in names if _is_told_less(name) and compared[name].less]
+    certain = [name for name in names if _is_told_less(looks[name]) and compared[name].less]
     if certain:
         verb = "rely" if len(certain) > 1 else "relies"
         lines.append(
@@ -584,12 +589,14 @@ def introduction(study: SecondStudy, lives: pd.DataFrame) -> str:
     maps = own.groupby("family")["map"].nunique()
     places = []
     if len(maps):
-        places.append(f"{len(maps)} kinds (families) of generated maps ({number(int(maps.min()))} maps each")
+        kinds = _counted(len(maps), "kind (family)", "kinds (families)")
+        places.append(f"{kinds} of generated maps ({_counted(int(maps.min()), 'map')} each")
         places[0] += f", of about {number(study.size)} states" if study.families else ""
-        places[0] += f", {number(study.seeds)} lives on each map)"
+        places[0] += f", {_counted(study.seeds, 'life', 'lives')} on each map)"
     if study.article_maps:
         places.append(
-            f"{number(len(study.article_maps))} maps of the article ({number(study.article_seeds)} lives on each)"
+            f"{_counted(len(study.article_maps), 'map')} of the article"
+            f" ({_counted(study.article_seeds, 'life', 'lives')} on each)"
         )
     return (
         "The article’s robot learns one task after another in a house, and keeps a library of skills (partial transfer"
