@@ -238,8 +238,8 @@ def lead(means: Means, looks: Mapping[str, Look], families: Sequence[str]) -> st
     signs = [sign(ratio) for ratio in ratios.values()]
     text += (
         f"On the same maps PTL takes {times(means.ratio(families, BASE, NO_TRANSFER))} times as many steps as learning"
-        f" every task from nothing. Of {len(ratios)} other methods {signs.count(-1)} cost less than PTL,"
-        f" {signs.count(1)} more, and {signs.count(0)} cannot be told from it."
+        f" every task from nothing. Of {len(ratios)} other methods, variants of it included, {signs.count(-1)} cost"
+        f" less than PTL, {signs.count(1)} more, and {signs.count(0)} cannot be told from it."
     )
     better = [name for name in (MODEL, PLAN) if name in ratios and sign(ratios[name]) < 0]
     if better:
@@ -395,18 +395,15 @@ def hardness_answer(trends: pd.DataFrame, looks: Mapping[str, Look]) -> dict[str
     """
     found = {(row.cost, row.hardness, row.scope): Estimate(row.value, row.low, row.high) for row in trends.itertuples()}
     parts = []
-    for scope in (ALL_MAPS, WITHIN) if len(trends) else ():
-        saved = {measure: found[SAVED, measure, scope] for measure in HARDNESS if (SAVED, measure, scope) in found}
+    for measure in HARDNESS:
+        saved = {scope: found[key] for scope in (ALL_MAPS, WITHIN) if (key := (SAVED, measure, scope)) in found}
         listed = ", ".join(
-            f"{measure} {correlation(value)} ({TRENDS[sign(value, 0.0)]})" for measure, value in saved.items()
+            f"{correlation(value)} {SCOPES[scope]} ({TRENDS[sign(value, 0.0)]})" for scope, value in saved.items()
         )
-        parts.append(f"{scope}: {listed}" if listed else "")
+        parts.append(f"with the {measure} {listed}" if listed else "")
     lead = "; ".join(filter(None, parts))
     if lead:
-        lead = (
-            "Rank correlation of a map’s hardness with PTL’s steps as a multiple of no transfer’s,"
-            f" below 0 where PTL saves more on harder maps: over {lead}."
-        )
+        lead = f"What PTL takes as a multiple of no transfer’s steps has the rank correlation {lead}."
     lines = [
         f"Of the cost of “{looks[name].label}”, over all maps: "
         + ", ".join(f"{measure} {correlation(found[name, measure, ALL_MAPS])}" for measure in HARDNESS)
@@ -417,7 +414,8 @@ def hardness_answer(trends: pd.DataFrame, looks: Mapping[str, Look]) -> dict[str
     return {"question": "Is it worth more on harder maps?", "lead": lead, "lines": lines}
 
 
-TRENDS = {-1: "saves more", 0: "no trend", 1: "saves less"}
+TRENDS = {-1: "PTL saves more on harder maps", 0: "no trend", 1: "PTL saves less on harder maps"}
+SCOPES = {ALL_MAPS: "over all maps", WITHIN: "within families"}
 
 
 def correlation(found: Estimate) -> str:
@@ -506,7 +504,7 @@ def by_group_table(
     frames = [
         pd.concat([overall_ratios(means, families), costs]).assign(part=name) for name, (means, costs) in parts.items()
     ]
-    frame = pd.concat(frames)
+    frame = pd.concat(frames) if frames else pd.DataFrame(columns=["family", "method", "part", "ratio"])
     groups = []
     for family, heading in {EVERY: "All families of generated maps", **titles}.items():
         own = frame[frame["family"] == family]

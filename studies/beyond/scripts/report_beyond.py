@@ -242,7 +242,7 @@ with running(snakemake) as script:
             lead=page.lead(means, looks, generated),
             strip=pictures["strip"],
             glossary=page.glossary(looks),
-            answers=questions,
+            answers=[answer for answer in questions if answer["lead"] or answer["lines"]],
             explorer=page.explorer_line(study, looks),
             reading=page.READING,
             sections=[section for section in sections if section["figures"] or section["tables"]],

@@ -159,3 +159,11 @@ def test_one_life_on_one_map_has_no_interval_and_is_drawn():
     assert costs["high"].isna().all()
     drawn = figures.overview(costs, page.looks_of(STUDY, costs["method"]), dict(zip(FAMILIES, FAMILIES, strict=True)))
     assert all(np.isfinite(ax.get_xlim()).all() for ax in drawn.axes)
+
+
+def test_a_study_without_sequences_has_an_empty_table_and_one_without_ptl_no_answers():
+    assert page.by_group_table({}, page.looks_of(STUDY, []), {}, [], "", "").groups == []
+    frame = lives(rmax_memory=0.1)
+    alone = summary.Means(frame[frame["method"] == "rmax_memory"], HOW)
+    made = page.answers(alone, page.looks_of(STUDY, ["rmax_memory"]), FAMILIES)
+    assert not any(answer["lead"] or answer["lines"] for answer in made)
