@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -47,9 +48,14 @@ def fit_two_slopes(sizes: np.ndarray, bend: float) -> TwoSlopes:
     last = sizes.shape[-1] - 1
     if not 1 <= bend < last:
         raise UserError(f"growth.breakpoint: {bend:g} is not allowed for lives of {last} tasks; give 1 to {last - 1}")
+    return TwoSlopes(bend, *np.moveaxis(sizes @ _least_squares(last, bend).T, -1, 0))
+
+
+@lru_cache(maxsize=1024)  # `best_bend` tries the same bends on every resampled curve
+def _least_squares(last: int, bend: float) -> np.ndarray:
+    """Return the matrix (3, last + 1) from sizes after 0, 1, ... tasks to intercept and slopes."""
     tasks = np.arange(last + 1.0)
-    design = np.column_stack([np.ones_like(tasks), np.minimum(tasks, bend), np.maximum(tasks - bend, 0)])
-    return TwoSlopes(bend, *np.moveaxis(sizes @ np.linalg.pinv(design).T, -1, 0))
+    return np.linalg.pinv(np.column_stack([np.ones_like(tasks), np.minimum(tasks, bend), np.maximum(tasks - bend, 0)]))
 
 
 STEP = 0.25

@@ -32,7 +32,7 @@ def test_prior_survives_a_far_goal():
 
 
 @pytest.mark.parametrize("form", ["exponential", "gaussian", "uniform"])
-@pytest.mark.parametrize("width", [5e-324, 1e-320, 1e-160, 0.005, 0.1, 1000.0])
+@pytest.mark.parametrize("width", [5e-324, 0.005, 1000.0])
 @pytest.mark.parametrize("goal", [0, 1])
 @pytest.mark.parametrize("null_skill", [True, False])
 def test_selection_is_finite_at_every_setting(form, width, goal, null_skill):

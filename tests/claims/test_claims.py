@@ -23,7 +23,6 @@ from made_up_run import (
     VARIANTS,
     MadeUpRun,
 )  # fmt: skip
-from projects import MAPS
 
 from ptl import claims
 from ptl.claims import places
@@ -32,22 +31,20 @@ from ptl.claims.evidence_files import read_evidence
 from ptl.claims.reading import DEFAULT
 from ptl.claims.verdict import Outcome, Part, Verdict, above, below, between, decide, not_significant
 from ptl.errors import UserError
+from ptl.measures import statistics
 from ptl.measures.run_files import write_steps
 from ptl.measures.statistics import Estimate
 from ptl.world.gridworld import GridWorld
-from ptl.world.map_files import load_map
 
 CLAIMS = {claim.id: claim for claim in claims.CLAIMS}
 
 
-@pytest.fixture(scope="module")
-def env1():
-    return load_map(MAPS / "env1.txt")
-
-
-@pytest.fixture(scope="module")
-def env2():
-    return load_map(MAPS / "env2.txt")
+@pytest.fixture(scope="module", autouse=True)
+def few_fits():
+    """Let the claim on growth be judged by fewer fits, which take most of the time of all claims."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(statistics, "FITS", 30)
+        yield
 
 
 def concerned(id):

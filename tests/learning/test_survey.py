@@ -224,18 +224,14 @@ FAST = {"alpha": 1.0, "gamma": 0.95, "epsilon": 0.1}
     ("place", "letter", "episodes", "samples", "learning"),
     [
         ("env1", "A", 5, 600, PUBLISHED),
-        ("env1", "F", 5, 200, PUBLISHED),
         ("env2", "D", 8, 800, PUBLISHED),
         ("env3", "A", 12, 600, PUBLISHED),
-        ("env1", "B", 4, 1000, FAST),
         ("env2", "F", 4, 3000, FAST),
-        ("env3", "C", 3, 3000, FAST),
         ("rooms", "A", 3, 5000, FAST),
-        ("ring", "A", 3, 5000, FAST),
     ],
 )
 def test_subgoals_with_trees_and_step_by_step_agree(published_maps, place, letter, episodes, samples, learning):
-    world = {**published_maps, "rooms": TWO_ROOMS, "ring": RING}[place]
+    world = {**published_maps, "rooms": TWO_ROOMS}[place]
     start, goal = world.start, world.goals[letter]
     margin = 1 if learning is FAST else 2
     trees = Counter(surveyed(world, start, goal, samples, episodes, margin=margin, **learning))
