@@ -1,5 +1,8 @@
 """The one kind of error that is meant for the user rather than for a developer."""
 
+INTERRUPTED = "interrupted; the same command goes on where it stopped"
+"""What a job says that a signal of the keyboard ended."""
+
 
 def printable(text: str) -> str:
     """Return a text with control characters as escapes, so that a terminal shows them and does not act on them."""

@@ -15,7 +15,7 @@ from typing import Any
 import click
 
 import ptl
-from ptl.errors import UserError, printable
+from ptl.errors import INTERRUPTED, UserError, printable
 from ptl.files.checkout import check_checkout
 
 COMMANDS = (
@@ -56,7 +56,10 @@ class _Commands(click.Group):
 
     def invoke(self, context: click.Context) -> object:
         with _in_one_line():
-            return super().invoke(context)
+            try:
+                return super().invoke(context)
+            except KeyboardInterrupt:
+                raise UserError(INTERRUPTED) from None
 
 
 @contextmanager

@@ -17,6 +17,7 @@ from projects import ROOMS, ROOT
 
 from ptl.cli.forks import client
 from ptl.config import Parameters
+from ptl.errors import INTERRUPTED
 from ptl.jobs import Grow
 from ptl.world.gridworld import map_digest
 
@@ -115,12 +116,27 @@ def test_the_server_ends_with_the_process_that_started_it(host):
     assert not server.is_running()
 
 
-def test_a_job_whose_fork_is_killed_fails(host, folder):
+def long_job(host: Host, folder: Path) -> tuple[subprocess.Popen[str], psutil.Process]:
+    """Start a job that does not end, and return its client and its fork."""
     job = forked(host, folder, "run", "--job", grow(100_000), "--map", "rooms=rooms.txt", "--output", "made.h5")
     deadline = time.monotonic() + 20
     while not (forks := server_of(host).children()) and time.monotonic() < deadline:
         time.sleep(0.02)
-    forks[0].kill()
+    return job, forks[0]
+
+
+def test_an_interrupted_job_says_so_in_one_line(host, folder):
+    job, fork = long_job(host, folder)
+    time.sleep(0.5)  # until it learns
+    for process in (job, fork):  # a terminal sends the signal to both
+        process.send_signal(signal.SIGINT)
+    assert job.communicate()[1] == f"error: {INTERRUPTED}\n"
+    assert not (folder / "made.h5").exists()
+
+
+def test_a_job_whose_fork_is_killed_fails(host, folder):
+    job, fork = long_job(host, folder)
+    fork.kill()
     assert job.communicate()[1] == "error: the process of the job was killed\n"
     assert job.returncode == 1
 
