@@ -1,7 +1,7 @@
 """The one kind of error that is meant for the user rather than for a developer."""
 
-INTERRUPTED = "interrupted; the same command goes on where it stopped"
-"""What a job says that a signal of the keyboard ended."""
+INTERRUPTED = "interrupted; run the same command again"
+"""What a command says that Ctrl-C ended."""
 
 
 def printable(text: str) -> str:

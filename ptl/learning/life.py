@@ -116,7 +116,7 @@ def learn_task(
     ------
     UserError
         If the task starts at its goal, or the method ends an episode before the goal and before the step limit, begins
-        one, or returns something else than a list of draws or None.
+        one, or returns anything but a list of draws or None.
     """
     if task.start == task.goal:
         raise UserError(f"task {task.name}: starts at its goal, state {task.goal}; give two states")

@@ -25,8 +25,6 @@ from ptl.world.gridworld import GridWorld
 Label = Annotated[str, key("", **{**TITLE, "min_length": 1})]
 Colour = Annotated[str, key("", pattern=r"^#[0-9a-f]{6}\Z", wanted="#rrggbb with lower-case digits")]
 
-Knowledge = Annotated[tuple[Label, Label, Label], key("", wanted="a tuple of three texts, see BaseMethod")]
-
 TRIAL_WORLD = GridWorld.from_text("I...\n.#.A\n...B\n", "trial")
 SILENT_SECONDS = 3
 TRIAL_SECONDS = 60
@@ -43,8 +41,7 @@ def check_method(method: str | methods.Maker) -> None:
     """
     methods.identifier(method)
     kind = methods.load(method) if isinstance(method, str) else method
-    fields = {"label": Label, "colour": Colour} | ({"knows": Knowledge} if hasattr(kind, "knows") else {})
-    for name, wanted in fields.items():
+    for name, wanted in (("label", Label), ("colour", Colour)):
         value = getattr(kind, name, None)
         try:
             msgspec.convert(value, wanted)

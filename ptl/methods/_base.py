@@ -34,9 +34,6 @@ class BaseMethod:
         How tables and figures show the method (colour as ``#rrggbb``).
     name : str
         Identifier in files and random streams; a class ``Method`` leaves it out and is called after its file.
-    knows : tuple of three str
-        What it is told about the goal; whether it relies on certain moves, "yes" or "no"; and what it keeps from task
-        to task. The second study's page shows it; a method may leave it out.
     library : SkillLibrary or None
         The skill library if the method keeps one; it is updated after each task.
     """
@@ -44,7 +41,6 @@ class BaseMethod:
     label: ClassVar[str]
     colour: ClassVar[str]
     name: ClassVar[str]
-    knows: ClassVar[tuple[str, str, str]] = ("not stated", "not stated", "not stated")
 
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         self.world = world

@@ -11,7 +11,7 @@ from ptl import methods
 from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
-from ptl.keys import ConfigurationError, Group, key, repeated
+from ptl.keys import ConfigurationError, Group, key, repeated, shortened
 from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.mazes import FAMILIES
@@ -173,7 +173,11 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         study = cls.from_dict(given)
         for name, method in methods.by_identifier(map(reference, study.methods)).items():
             check_method(method)
-            check_text(f"methods: label of {name}", methods.load(method).label)
+            kind = methods.load(method)
+            check_text(f"methods: label of {name}", kind.label)
+            knows = getattr(kind, "knows", ("", "", ""))
+            if not (isinstance(knows, tuple) and len(knows) == 3 and all(isinstance(text, str) for text in knows)):
+                raise UserError(f"method {name}: knows = {shortened(repr(knows))} is not allowed; give three texts")
         if not study.methods and not study.foreign_lives:
             raise ConfigurationError("methods", "is empty, and so is foreign_lives; name a method or a file of lives")
         for name in study.library_sizes.methods:

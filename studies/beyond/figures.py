@@ -10,7 +10,6 @@ import numpy as np
 import pandas as pd
 from matplotlib.colors import LogNorm
 
-from ptl.methods import BaseMethod
 from ptl.report.figures import style
 from ptl.text import number
 from studies.beyond.lives import NO_CHANGE
@@ -28,12 +27,16 @@ RATIO_TICKS = [0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100]
 
 @dataclass(frozen=True)
 class Look:
-    """Label and colour of a method, and what it may know (see `ptl.methods.BaseMethod`)."""
+    """Label and colour of a method.
+
+    ``knows`` says what it is told about the goal, whether it relies on certain moves, and what it keeps from task to
+    task.
+    """
 
     label: str
     colour: str
     dashed: bool = False
-    knows: tuple[str, str, str] = BaseMethod.knows
+    knows: tuple[str, str, str] = ("not stated", "not stated", "not stated")
 
 
 def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], legend: float = 0.0) -> tuple:
@@ -113,9 +116,7 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
 
     A sign of similarity stands before a cost whose ratio to that of the base may be 1.
     """
-    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=list(titles))
-    means = np.exp(np.log(table).mean(axis=1))
-    table = table.loc[means.sort_values().index]
+    table = _by_family(costs, list(titles))
     unclear = costs[(costs["ratio_low"] <= 1) & (costs["ratio_high"] >= 1)]
     unclear = set(zip(unclear["method"], unclear["family"], strict=True))
     rows, columns = table.shape

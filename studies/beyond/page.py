@@ -14,7 +14,7 @@ from ptl import methods
 from ptl.measures.statistics import Estimate, Resampling
 from ptl.report.table import Cell, Column, Row, RowGroup, Table, text_table
 from ptl.report.templating import render
-from ptl.text import MISSING, interval, number, percent
+from ptl.text import MISSING, estimate, interval, number, percent, place_of
 from studies.beyond import methods as our_methods
 from studies.beyond.design import SecondStudy
 from studies.beyond.figures import Look
@@ -97,7 +97,7 @@ KNOWLEDGE: dict[str, tuple[str, str, str]] = {
     "successor_features": ("its state", CERTAIN, f"policies, {TRANSITIONS}"),
     "optimistic": (NOTHING, "no", NOTHING),
     "maxqinit": (NOTHING, CERTAIN, "greatest value of each tried action"),
-    "optimistic_fast": (NOTHING, CERTAIN, NOTHING),
+    "optimistic_fast": (NOTHING, "no, α is tuned to the slip", NOTHING),
     **{name: (NOTHING, "no", NOTHING) for name in RMAX if "memory" not in name},
     **{name: ("its state, if seen before", "no", TRANSITIONS) for name in RMAX if "memory" in name},
     "rmax_memory_5_stubborn": ("its state, if seen before", "no", TRANSITIONS),
@@ -129,7 +129,9 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
         dashed = name not in KNOWLEDGE or name in RIVALS
         if name in references or name in built_in:
             kind = methods.load(references.get(name) or our_methods.reference(name))
-            looks[name] = Look(kind.label, kind.colour, dashed, KNOWLEDGE.get(name, kind.knows))
+            looks[name] = Look(
+                kind.label, kind.colour, dashed, KNOWLEDGE.get(name) or getattr(kind, "knows", Look.knows)
+            )
         else:
             looks[name] = Look(name.replace("_", " ").capitalize(), next(colours), dashed)
     return looks
@@ -209,14 +211,9 @@ MODEL, PLAN = "rmax_memory", "free_space_memory"
 """A remembered model, and a plan through cells that are taken for free until bumped into."""
 
 
-def short(value: float) -> str:
-    """Format a ratio with three significant digits."""
-    return number(float(f"{value:.3g}"))
-
-
 def times(ratio: Estimate) -> str:
     """Format a ratio and its interval."""
-    return f"{short(ratio.value)} {interval(ratio.low, ratio.high)}".rstrip()
+    return estimate(ratio.value, ratio.low, ratio.high)
 
 
 def sign(found: Estimate, null: float = 1.0) -> int:
@@ -347,7 +344,7 @@ def _elsewhere(compared: Mapping[str, Comparison], means: Means, families: Seque
         if family not in families and {BASE, NO_TRANSFER} <= set(means.methods([family]))
     ]
     values = [ratio.value for ratio in comparison.families.values()]
-    spread = f"; by family it takes {short(min(values))} to {short(max(values))} times as many steps"
+    spread = f"; by family it takes {number(min(values))} to {number(max(values))} times as many steps"
     return f"{'; '.join([text + spread, ', '.join(article)]) if article else text + spread}."
 
 
@@ -465,8 +462,10 @@ def wide_table(
                 cells.append(Cell(MISSING))
                 continue
             row = own.loc[name]
-            detail = interval(row[limits[0]], row[limits[1]]) if limits else ""
-            cells.append(Cell(short(float(row[value])), detail, best=bool(best and row[best])))
+            ends = [float(row[limit]) for limit in limits] if limits else [np.nan, np.nan]
+            cells.append(
+                Cell(number(float(row[value]), place_of(*ends)), interval(*ends), best=bool(best and row[best]))
+            )
         rows.append(Row(look.label, cells, look.colour))
     return Table(title, intro, "method", [Column(heading) for heading in columns.values()], [RowGroup(rows)], notes)
 

@@ -396,7 +396,6 @@ def test_a_reference_and_its_class_give_the_same_life():
         (GOOD.replace('colour = "#123456"', ""), "has no colour; give #rrggbb"),
         (GOOD.replace("#123456", "red"), "colour = 'red' is not allowed; give #rrggbb"),
         (GOOD.replace("#123456", r"#123456\n"), "colour = .* is not allowed; give #rrggbb"),
-        (GOOD + "    knows = 'nothing'\n", "knows = 'nothing' is not allowed; give a tuple of three texts"),
         (
             GOOD.replace("run_episode", "run_episodes"),
             "defines neither run_episode nor plan, .*run_episodes is probably meant to be run_episode",

@@ -9,7 +9,7 @@ def main() -> None:
 
     If the server does not answer, because it was killed, this process becomes ``python -m ptl``.
     """
-    from _signal import SIG_DFL, SIGINT, signal  # `signal` takes as long again to import, as `socket` does
+    from _signal import SIG_DFL, SIGINT, signal  # the modules without underscore take as long again to import
     from _socket import AF_UNIX, SCM_RIGHTS, SHUT_WR, SOL_SOCKET, socket
 
     signal(SIGINT, SIG_DFL)  # the job itself says that it was interrupted

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from ptl import methods
+from ptl.errors import UserError
 from ptl.measures.statistics import Resampling
 from studies.beyond import figures, page, summary
 from studies.beyond import methods as our_methods
@@ -59,7 +60,7 @@ def test_what_a_rival_may_know_is_said_beside_its_win():
 def test_the_answers_can_be_in_favour_of_the_library():
     first, second, third = said(no_transfer=4.0, rmax_memory=2.0, ptl_goal=1.5)
     assert "Dearer in every family: “R-max, model kept”." in first
-    assert "as a multiple of PTL’s cost: “PTL, subgoal = goal” 1.49 [1.4" in second
+    assert "as a multiple of PTL’s cost: “PTL, subgoal = goal” 1.493 [1.4" in second
     assert "in 2 of 2 families of generated maps, more in 0; by family it takes 0.2" in third
     assert "in 0 of 2 families of generated maps, more in 2" in said(no_transfer=0.5)[2]
 
@@ -67,7 +68,7 @@ def test_the_answers_can_be_in_favour_of_the_library():
 @pytest.mark.parametrize(
     ("alone", "counts", "meaning"),
     [
-        (0.1, "2 [", "the library makes it dearer. What it saves is owed to the memory"),
+        (0.1, "1.999 [", "the library makes it dearer. What it saves is owed to the memory"),
         (0.4, "0.5", "(less in 2, more in 0 of 2 families); the library helps it."),
         ((0.1, 0.4), "less in 1, more in 1 of 2 families", ""),
         (0.2, "(less in 0, more in 0 of 2 families)", "makes no difference that these maps can show."),
@@ -137,6 +138,15 @@ def test_the_readers_own_method_leads_the_page_and_says_what_it_knows(tmp_path):
     )
     [row] = [row for row in page.knowledge_table(looks).groups[0].rows if row.label == "My own"]
     assert [cell.text for cell in row.cells] == ["nothing", "yes", "walls"]
+
+
+def test_what_a_method_knows_is_three_texts(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from ptl.methods.no_transfer import Method as Base\n\nclass Method(Base):\n"
+        "    label, colour, knows = 'My own', '#123456', 'nothing'\n"
+    )
+    with pytest.raises(UserError, match="knows = 'nothing' is not allowed; give three texts"):
+        SecondStudy.read({"methods": [str(tmp_path / "mine.py")]})
 
 
 def test_figures_have_a_panel_for_each_family_and_a_curve_for_each_method():
