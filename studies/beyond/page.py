@@ -129,9 +129,8 @@ def looks_of(study: SecondStudy, names: Iterable[str]) -> dict[str, Look]:
         dashed = name not in KNOWLEDGE or name in RIVALS
         if name in references or name in built_in:
             kind = methods.load(references.get(name) or our_methods.reference(name))
-            looks[name] = Look(
-                kind.label, kind.colour, dashed, KNOWLEDGE.get(name) or getattr(kind, "knows", Look.knows)
-            )
+            stated: tuple[str, str, str] = getattr(kind, "knows", Look.knows)
+            looks[name] = Look(kind.label, kind.colour, dashed, KNOWLEDGE.get(name, stated))
         else:
             looks[name] = Look(name.replace("_", " ").capitalize(), next(colours), dashed)
     return looks
