@@ -9,6 +9,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,9 @@ import click
 import ptl
 from ptl.errors import INTERRUPTED, UserError, printable
 from ptl.files.checkout import check_checkout
+
+if find_spec("ptl.world._graph") is None:  # before a command or the workflow needs any compiled module
+    sys.exit("error: ptl is not built; run 'make build'")
 
 COMMANDS = (
     "new-study", "show-map", "make-map", "import-runs", "learn", "inspect", "metrics", "score", "verify", "workflow",
