@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import psutil
 import pytest
-from projects import ROOMS, ROOT
+from projects import ROOMS, ROOT, imports_of_a_fork
 
 from ptl.cli.forks import client
 from ptl.config import Parameters
@@ -97,16 +97,9 @@ def test_a_fork_does_the_same_as_a_process_of_its_own(host, folder, arguments):
     assert outcomes[0] == outcomes[1]
 
 
-def test_the_server_has_imported_what_a_job_imports(host, folder):
-    """A job finds numpy and h5py in the memory of the server, and adds no library to it."""
-    done = called(folder, "-X", "importtime", "-m", "ptl", "run", "--job", grow(1), "--map", "rooms=rooms.txt",
-                  "--output", "made.h5")  # fmt: skip
-    printed = done.communicate()[1].splitlines()
-    imported = {name for line in printed if (name := line.rpartition("|")[2].strip()).startswith(("ptl", "h5py"))}
-    serve = "import socket, sys; from ptl.cli.forks.__main__ import serve; serve(socket.socket()); print(*sys.modules)"
-    known = set(called(folder, "-c", serve).communicate()[0].split())
-    assert {"h5py", "ptl.learning.life"} <= imported
-    assert imported - {"ptl.__main__"} <= known
+def test_the_server_has_imported_what_a_job_imports(folder):
+    """A job finds numpy and h5py in the memory of the server."""
+    assert imports_of_a_fork(folder, grow(1), maps=("--map=rooms=rooms.txt",)) == set()
 
 
 def test_the_server_ends_with_the_process_that_started_it(host):

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from projects import ROOT
+from projects import ROOT, imports_of_a_fork
 
 from ptl.agent.subgoals import discover
 from ptl.config import Parameters
@@ -432,6 +432,12 @@ def test_a_generated_map_is_the_one_that_was_planned():
     other = job_from(job.text.replace(job.maps["4001"], "0" * 16))
     with pytest.raises(UserError, match=r"map rooms_300_4001: has the digest .*, not 0+ as planned"):
         other.run({})
+
+
+def test_the_server_has_imported_what_lives_import(tmp_path):
+    [job, *_] = planned(SecondStudy.read(SMALL))
+    assert imports_of_a_fork(tmp_path, job.text, "studies.beyond.jobs") == set()
+    assert "studies.beyond.lives" in imports_of_a_fork(tmp_path, job.text)
 
 
 @pytest.mark.parametrize(
