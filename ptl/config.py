@@ -270,7 +270,13 @@ class Measures(Group, frozen=True, kw_only=True):
         ),
     ] = 10
     threshold_factor: Annotated[
-        float, key("The threshold as a multiple of the shortest path.", CHOSEN, ge=1, le=10**6)
+        float,
+        key(
+            "The threshold as a multiple of the shortest path, or of the least expected steps where steps slip.",
+            CHOSEN,
+            ge=1,
+            le=10**6,
+        ),
     ] = 1.5
 
 

@@ -1,5 +1,8 @@
 """The one kind of error that is meant for the user rather than for a developer."""
 
+INTERRUPTED = "interrupted; run the same command again"
+"""What a command says that Ctrl-C ended."""
+
 
 def printable(text: str) -> str:
     """Return a text with control characters as escapes, so that a terminal shows them and does not act on them."""

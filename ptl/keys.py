@@ -30,7 +30,8 @@ class ConfigurationError(UserError):
     @classmethod
     def of_value(cls, key: str, value: object, wanted: str) -> Self:
         """Refuse a value."""
-        return cls(key, f"{shortened(repr(value))} is not allowed; give {wanted}")
+        problem = "has no value" if value is None else f"{shortened(as_written(value))} is not allowed"
+        return cls(key, f"{problem}; give {wanted}")
 
 
 def key(description: str, mark: str = "", wanted: str = "", **constraints: Any) -> Meta:
@@ -240,7 +241,7 @@ def _checked(kind: Any, value: Any) -> Any:
 
 
 def _meant(kind: Any, value: Any) -> str:
-    """Return a remark on the value that was probably meant: a number that YAML takes for a text, or the reverse."""
+    """Return a remark on what was probably meant: a number that YAML takes for a text, or the reverse."""
     forms: list[Any] = []
     if isinstance(value, str) and len(value) < 40:
         for text in (value, value.replace(",", ""), value.replace(",", ".")):
@@ -250,12 +251,14 @@ def _meant(kind: Any, value: Any) -> str:
                     forms += [int(number), number] if number == int(number) else [number]
     elif isinstance(value, float) and value.is_integer():
         forms.append(int(value))
-    elif isinstance(value, bool | int | float | datetime.date):
-        forms.append(str(value).lower() if isinstance(value, bool) else str(value))
+    if isinstance(value, bool | int | float | datetime.date):
+        with suppress(ValueError):  # as written it may look otherwise: 0x10, 1.50
+            msgspec.convert(str(value), kind)
+            return " (a text that looks like something else needs quotes)"
     for form in forms:
         with suppress(ValueError, OverflowError):
             if msgspec.convert(form, kind) == form:
-                return f" (perhaps {form!r} was meant)"
+                return f" (perhaps {as_written(form)} was meant)"
     return ""
 
 
@@ -271,6 +274,21 @@ def _under(name: str) -> Iterator[None]:
 def repeated(items: Collection[str]) -> list[str]:
     """Return the items that occur more than once."""
     return sorted({item for item in items if list(items).count(item) > 1})
+
+
+def as_written(value: object) -> str:
+    """Return a value as a configuration file has it: null, true and .inf instead of Python's None, True and inf."""
+    if value is None or isinstance(value, bool):
+        return "null" if value is None else str(value).lower()
+    if isinstance(value, float) and not math.isfinite(value):
+        return {math.inf: ".inf", -math.inf: "-.inf"}.get(value, ".nan")
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(as_written, value))}]"
+    if isinstance(value, Mapping):
+        return f"{{{', '.join(f'{as_written(name)}: {as_written(entry)}' for name, entry in value.items())}}}"
+    if isinstance(value, datetime.date):
+        return str(value)
+    return repr(value)
 
 
 def shortened(text: str, length: int = 60) -> str:

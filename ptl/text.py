@@ -61,4 +61,6 @@ def estimate(value: float, low: float, high: float, unit: str = "") -> str:
 
 
 def _signed(text: str) -> str:
-    return MINUS + text[1:] if text.startswith("-") else text
+    if text.startswith("-"):
+        return MINUS + text[1:] if text != "-0" else "0"
+    return text

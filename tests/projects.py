@@ -113,6 +113,22 @@ class Project:
         return {path.relative_to(self.folder).as_posix(): path.read_bytes() for path in paths}
 
 
+def imports_of_a_fork(folder: Path, job: str, *modules: str, maps: tuple[str, ...] = ()) -> set[str]:
+    """What a job, but for codecs, still imports when the server that it is forked from has imported these modules."""
+    code = (
+        "import socket, sys; from ptl.cli.forks.__main__ import exit_status, serve; "
+        "serve(socket.socket(), *sys.argv.pop().split()); known = set(sys.modules); "
+        "assert exit_status() == 0; print(*set(sys.modules) - known)"
+    )
+    command = [sys.executable, "-c", code, "run", "--job", job, *maps, "--output", "made.h5", " ".join(modules)]
+    done = subprocess.run(
+        command, cwd=folder, env=os.environ | {"PYTHONPATH": str(ROOT)}, stdin=subprocess.DEVNULL,
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return {name for name in done.stdout.split() if not name.startswith("encodings.")}
+
+
 def job_counts(printed: str) -> dict[str, int]:
     """Read the table of jobs that Snakemake prints before it begins."""
     table = re.findall(r"^(\w+) +(\d+)$", printed, flags=re.M)

@@ -24,4 +24,3 @@ class Method(BaseMethod):
             action = learner.choose(epsilon=0.0, bonus=WEIGHT / np.sqrt(1 + self.counts[state]))
             self.counts[state, action] += 1
             learner.act(action)
-        return []

@@ -30,4 +30,3 @@ class Method(BaseMethod):
                 after = self.model[pairs[number]]
                 target = 1.0 if after == self.goal else gamma * max(learner.values_of(after))
                 learner.update(*pairs[number], target)
-        return []

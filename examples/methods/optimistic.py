@@ -18,4 +18,3 @@ class Method(BaseMethod):
 
     def run_episode(self, learner):
         learner.explore(epsilon=0.0)
-        return []

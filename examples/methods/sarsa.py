@@ -20,4 +20,3 @@ class Method(BaseMethod):
             target = 1.0 if learner.at_goal else gamma * learner.value(after, action_after)
             learner.update(state, action, target)
             state, action = after, action_after
-        return []

@@ -28,4 +28,3 @@ class Method(BaseMethod):
             decay = learning.gamma * LAMBDA
             traces = {pair: decay * trace for pair, trace in traces.items() if trace > 1e-3}
             state, action = after, action_after
-        return []

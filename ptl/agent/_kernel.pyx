@@ -241,7 +241,7 @@ cdef inline int64_t walk_on(Learner learner, int64_t left, int64_t pause, uint64
         bint has_half = learner.has_half, notes_pairs = learner.notes_pairs
         int64_t before = left
         uint32_t state, action, direction, middle, move, slot
-        uint64_t word, product
+        uint64_t word, product, slip = 0, chance = learner.slip
         int group, groups
 
     while left > pause and row != SLOTS * goal:
@@ -268,7 +268,7 @@ cdef inline int64_t walk_on(Learner learner, int64_t left, int64_t pause, uint64
                     break
             continue
 
-        if has_half:
+        if has_half and not slips:
             product = <uint64_t>half * GREEDY_SLOTS
             has_half = False
         else:
@@ -276,19 +276,27 @@ cdef inline int64_t walk_on(Learner learner, int64_t left, int64_t pause, uint64
                 learner.draw_words()
             word = learner.words[learner.next_word]
             learner.next_word += 1
-            product = <uint64_t><uint32_t>word * GREEDY_SLOTS
-            half = word >> 32
-            has_half = True
+            if not slips:
+                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+                half = word >> 32
+                has_half = True
+            elif has_half:  # two draws: the half that is left and the low half of this word
+                product = <uint64_t>half * GREEDY_SLOTS
+                slip = <uint64_t><uint32_t>word * 4
+                half = word >> 32
+            else:
+                product = <uint64_t><uint32_t>word * GREEDY_SLOTS
+                slip = (word >> 32) * 4
         slot = product >> 32
         if <uint32_t>product < epsilon:
             slot = GREEDY_SLOTS + (slot & 3)
         move = moves[row + slot]
         action = direction = move % SLOTS
-        if slips:
-            learner.half, learner.has_half = half, has_half
-            direction = slipped(learner, action)
-            half, has_half = learner.half, learner.has_half
-            move = moves[row + GREEDY_SLOTS + direction]
+        if slips:  # the direction's slot is known before the action is, so that neither load waits for the other
+            if <uint32_t>slip < chance:
+                slot = GREEDY_SLOTS + <uint32_t>(slip >> 32)
+            move = moves[row + slot]
+            direction = move % SLOTS
         last_exit[state] = direction
         taken_actions[row // 4 + direction] = 1
         update(learner, values, target, alpha, state, action, move // SLOTS)

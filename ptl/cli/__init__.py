@@ -9,14 +9,18 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import click
 
 import ptl
-from ptl.errors import UserError, printable
+from ptl.errors import INTERRUPTED, UserError, printable
 from ptl.files.checkout import check_checkout
+
+if find_spec("ptl.world._graph") is None:  # before a command or the workflow needs any compiled module
+    sys.exit("error: ptl is not built; run 'make build'")
 
 COMMANDS = (
     "new-study", "show-map", "make-map", "import-runs", "learn", "inspect", "metrics", "score", "verify", "workflow",
@@ -56,7 +60,10 @@ class _Commands(click.Group):
 
     def invoke(self, context: click.Context) -> object:
         with _in_one_line():
-            return super().invoke(context)
+            try:
+                return super().invoke(context)
+            except KeyboardInterrupt:
+                raise UserError(INTERRUPTED) from None
 
 
 @contextmanager

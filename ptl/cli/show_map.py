@@ -37,7 +37,7 @@ def command(maps: tuple[Path, ...], options: MapOptions) -> None:
         distance = world.distances_to(world.start)
         for letter, goal in world.goals.items():
             row, column = world.cells[goal] + 1
-            steps = f"{distance[goal]} steps from the start"
+            steps = f"{distance[goal]} step{'s' if distance[goal] > 1 else ''} from the start"
             if world.slip:
                 steps += f", {optimal_steps(world, goal)[world.start]:.1f} on average with slip {world.slip}"
             click.echo(f"goal  {letter}  at row {row}, column {column}, {steps}")

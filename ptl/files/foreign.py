@@ -163,18 +163,45 @@ def as_text(value: Any) -> str:
 
 
 def whole_number(cell: str) -> str:
-    """Return the digits of a cell that is a whole number as programs write it (40, 40.0, False), else an empty text."""
+    """Return the digits of a cell that is a whole number as programs write it (40, 40.0, 40,0, False), or nothing.
+
+    1.000 and 1,000 are refused, which mean 1 to some and 1000 to others.
+    """
     text = cell.strip()
     if text in ("True", "False"):
         return str(int(text == "True"))
-    match = re.fullmatch(r"(?:np\.u?int[0-9]+\()?([0-9]{1,18})(?:\.0*)?\)?", text)
+    match = re.fullmatch(r"(?:np\.u?int[0-9]+\()?([0-9]{1,18})(?:[.,](?!000$)0*)?\)?", text)
     return match[1] if match else ""
 
 
-def separator(text: str) -> str:
-    """Return what separates the cells of a table: a comma, or the semicolon or tab of its header."""
-    header = text.partition("\n")[0]
-    return max(",;\t", key=header.count)
+def read_cells(path: Path, **options: Any) -> pd.DataFrame:
+    """Return the cells of a CSV file as texts, its header in row 0; ``options`` go to pandas.
+
+    Cells are separated by commas, or by the semicolons or tabs of the header; Excel's line ``sep=;`` is left out.
+
+    Raises
+    ------
+    UserError
+        If it cannot be read, is not UTF-8, or a row has more cells than the header; shorter ones get empty cells.
+    """
+    import pandas as pd  # slow to import, and most configurations name no such table
+
+    try:
+        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
+        if text.lstrip()[:1] in ("<", "{"):
+            raise UserError(f"{path}: is {'HTML or XML' if text.lstrip()[0] == '<' else 'JSON'}; give a CSV table")
+        text = re.sub(r'\A"?sep=[,;\t]"?\r?\n', "", text)
+        header = text.partition("\n")[0]
+        return pd.read_csv(
+            io.StringIO(text), sep=max(",;\t", key=header.count), header=None, dtype=str, na_filter=False,
+            skipinitialspace=True, **options,
+        )  # fmt: skip
+    except NotReadable as error:
+        raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV table") from error
+    except UnicodeDecodeError as error:
+        raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save it as UTF-8") from error
+    except ValueError as error:  # pandas' own errors are ValueErrors
+        raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
 
 
 def _read(path: Path) -> pd.DataFrame:
@@ -182,17 +209,7 @@ def _read(path: Path) -> pd.DataFrame:
 
     A first column without a name, such as the index that pandas writes, is left out.
     """
-    import pandas as pd  # slow to import, and most configurations name no such table
-
-    try:
-        text = read_bytes(path, MAX_BYTES).decode("utf-8-sig")
-        # the header as a row, so that longer rows are refused; shorter ones are filled with empty cells
-        options = {"header": None, "dtype": str, "na_filter": False, "skip_blank_lines": False}
-        table = pd.read_csv(io.StringIO(text), sep=separator(text), **options)
-    except NotReadable as error:
-        raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV table") from error
-    except ValueError as error:  # pandas' own errors and those of UTF-8 are ValueErrors
-        raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
+    table = read_cells(path, skip_blank_lines=False)
     if table.iloc[0, 0] in ("", "Unnamed: 0"):
         table = table.iloc[:, 1:]
     header = table.iloc[0].tolist()

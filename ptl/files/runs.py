@@ -7,7 +7,6 @@ numbered in the natural order of their names within a task; all runs are cut to 
 
 from __future__ import annotations
 
-import io
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,11 +23,11 @@ from ptl.files.foreign import (
     as_text,
     natural,
     numbers_of_seeds,
-    separator,
+    read_cells,
     whole_number,
 )
 from ptl.files.regular import NotReadable, read_bytes
-from ptl.keys import shortened
+from ptl.keys import repeated, shortened
 
 TOTAL = "total_steps"
 """Column of the steps of a run until the end of an episode, for files that have these instead of each episode's."""
@@ -142,7 +141,9 @@ def _text(path: Path) -> str:
     except NotReadable as error:
         raise UserError(f"{path}: cannot be read ({error.reason}); give a CSV file or a folder of them") from error
     except UnicodeDecodeError as error:
-        what = "is an event file of TensorBoard; export a scalar as CSV" if "tfevents" in path.name else "is not text"
+        what = f"byte {error.start + 1} is not UTF-8 text; save it as UTF-8"
+        if "tfevents" in path.name:
+            what = "is an event file of TensorBoard; export a scalar as CSV"
         raise UserError(f"{path}: {what}") from error
 
 
@@ -151,7 +152,7 @@ def _read(path: Path, columns: Mapping[str, str]) -> tuple[pd.DataFrame, list[st
     text = _text(path)
     if path.name.endswith("monitor.csv") or re.match(r'\s*#\s*\{|"?r"?,"?l"?,"?t', text):
         return _monitor(text, path)
-    frame = _table(text, path)
+    frame = _table(path)
     names = list(frame)
     if set(columns.values()) & set(names):
         return frame, []
@@ -161,19 +162,23 @@ def _read(path: Path, columns: Mapping[str, str]) -> tuple[pd.DataFrame, list[st
         return _wandb(frame, path)
     if {"episode", "episode_len", "steps"} <= set(names):
         return _bsuite(frame, path)
-    if "steps" not in names and any(LENGTH.search(name) and "mean" in name for name in names):
+    if "steps" not in names and (_means(names) or _single(names)):
         return _progress(frame, path)
     return frame, []
 
 
-def _table(text: str, path: Path) -> pd.DataFrame:
-    """Return the cells of a table as texts; a column without a name, such as pandas' index, is left out."""
-    try:
-        frame = pd.read_csv(io.StringIO(text), sep=separator(text), dtype=str, na_filter=False, index_col=False)
-    except ValueError as error:  # pandas' own errors are ValueErrors
-        raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
-    frame = frame.rename(columns=str.strip)
-    return frame[[name for name in frame if name and not name.startswith("Unnamed: ")]]
+def _table(path: Path) -> pd.DataFrame:
+    """Return the cells of a table as texts, our columns in lower case.
+
+    A column without a name, such as pandas' index, is left out.
+    """
+    cells = read_cells(path)
+    ours = (*COLUMNS, OPTIONAL, TOTAL)
+    header = [name.strip().lower() if name.strip().lower() in ours else name.strip() for name in cells.iloc[0]]
+    kept = [name for name in header if name and not name.startswith("Unnamed: ")]
+    if twice := repeated(kept):
+        raise UserError(f"{path}: has two columns {twice[0]}; rename one of them")
+    return cells.iloc[1:].set_axis(header, axis="columns")[kept]
 
 
 # -- formats ------------------------------------------------------------------------------------------------------
@@ -185,8 +190,9 @@ def _monitor(text: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
     Its header is a comment in JSON and the line ``r,l,t``, with further columns. Either may be missing, repeated (runs
     that were continued) or run into the next line (Baselines issue 774, Stable-Baselines3 issue 2282).
     """
-    rows: list[tuple[str, float]] = []
+    rows: list[tuple[str, float, str]] = []
     names, began, dropped, headers = ["r", "l", "t"], 0.0, 0, 0
+    cut = "TimeLimit.truncated"  # a column that users ask Stable-Baselines3 for
     lines = text.replace("\r\n", "\n").split("\n")
     for number, line in enumerate(lines, start=1):
         rest = line.strip()
@@ -194,7 +200,7 @@ def _monitor(text: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
             started = re.search(r'"t_start":\s*([0-9.]+)', comment[0])
             began = float(started[1]) if started else began
             rest = rest[comment.end() :].strip()
-        if header := re.match(r'"?(?:r"?,"?l"?,"?t|l"?,"?r"?,"?t)"?((?:,[A-Za-z_]\w*)*)', rest):
+        if header := re.match(r'"?(?:r"?,"?l"?,"?t|l"?,"?r"?,"?t)"?((?:,"?[A-Za-z_][\w./]*"?)*)', rest):
             names = header[0].replace('"', "").split(",")
             headers += 1
             rest = rest[header.end() :].strip()
@@ -208,10 +214,10 @@ def _monitor(text: str, path: Path) -> tuple[pd.DataFrame, list[str]]:
                 raise UserError(f"{path}: line {number}: {shortened(rest)!r} is no episode; give reward, length, time")
             dropped += 1
             continue
-        rows.append((length, began + float(ended)))
+        rows.append((length, began + float(ended), cells[names.index(cut)] if cut in names else "0"))
     remarks = ["its last line, which is not whole, is left out"] * dropped
     remarks += ["it has no header: the columns are taken for reward, length and time"] * (headers == 0)
-    return pd.DataFrame(rows, columns=["steps", "ended"]), remarks
+    return pd.DataFrame(rows, columns=["steps", "ended", OPTIONAL]), remarks
 
 
 def _progress(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]:
@@ -219,19 +225,44 @@ def _progress(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]
 
     RLlib's ``hist_stats/episode_lengths`` ends in the lengths of the iteration's episodes; other files have means only.
     """
-    if {"hist_stats/episode_lengths", "episodes_this_iter"} <= set(frame):
+    if single := _single(list(frame)):
         lengths: list[str] = []
-        for cell, number in zip(frame["hist_stats/episode_lengths"], frame["episodes_this_iter"], strict=True):
+        for cell, number in zip(frame[single[0]], frame[single[1]], strict=True):
             newest = int(whole_number(number)) if whole_number(number) else 0
             lengths += re.findall("[0-9]+", cell)[-newest:] if newest else []
         return pd.DataFrame({"steps": lengths}, dtype=str), []
-    names = [name for name in frame if LENGTH.search(name) and "mean" in name]
-    means = pd.to_numeric(frame[names].replace("", np.nan).bfill(axis=1).iloc[:, 0], errors="coerce").dropna()
+    names = _means(list(frame))
+    found = frame[names].replace(["", "nan", "NaN"], np.nan).bfill(axis=1).iloc[:, 0].dropna()
     return (
-        pd.DataFrame({"steps": means.round().astype(int).astype(str)}),
-        [f"column {names[0]} has means over the episodes of an iteration: an iteration counts as one episode, its mean"
-         " rounded to whole steps"],
-    )  # fmt: skip
+        pd.DataFrame({"steps": _rounded(found, names[0], path)}),
+        [f"column {names[0]} has means over the episodes of an iteration: {AS_ONE}"],
+    )
+
+
+def _single(names: Sequence[str]) -> list[str]:
+    """Return the columns with the lengths of single episodes and with their number, if there are both."""
+    ends = ("hist_stats/episode_lengths", "episodes_this_iter")
+    found = [next((name for name in names if name.endswith(end)), "") for end in ends]
+    return found if all(found) else []
+
+
+def _means(names: Sequence[str]) -> list[str]:
+    """Return the columns with mean lengths: those of evaluation, between the episodes of learning, only if alone."""
+    means = [name for name in names if LENGTH.search(name) and "mean" in name]
+    return [name for name in means if "eval" not in name] or means
+
+
+AS_ONE = "an iteration counts as one episode, its mean rounded to whole steps"
+
+
+def _rounded(means: pd.Series, name: str, path: Path) -> pd.Series:
+    """Return means of lengths as whole numbers."""
+    numbers = pd.to_numeric(means, errors="coerce")
+    if numbers.isna().any():
+        raise UserError(
+            f"{path}: {name} {shortened(means[numbers.isna()].iloc[0])!r} is not a number with a decimal point"
+        )
+    return numbers.round().astype(int).astype(str)
 
 
 def _tensorboard(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]:
@@ -239,6 +270,8 @@ def _tensorboard(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[st
     total = pd.to_numeric(frame["Step"], errors="coerce")
     value = pd.to_numeric(frame["Value"], errors="coerce")
     apart = total.diff().fillna(total)
+    if LENGTH.search(path.name) and "mean" in path.name:
+        return pd.DataFrame({"steps": _rounded(frame["Value"], "Value", path)}), [f"Value has means: {AS_ONE}"]
     if LENGTH.search(path.name) or (len(frame) > 1 and (value == apart).all()):
         return frame[["Value"]].rename(columns={"Value": "steps"}), ["Value is taken for the length of an episode"]
     if re.search("return|reward|rew_", path.name, re.IGNORECASE):
@@ -256,14 +289,17 @@ def _wandb(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]:
         raise UserError(
             f"{path}: has no column with the length of an episode; export such a chart (charts/episodic_length)"
         )
-    runs, mixed = [], 0
+    runs, mixed, rounded = [], 0, False
     for name in names:
         row = frame[frame[name] != ""]
+        if "mean" in name.rpartition(" - ")[2]:
+            rounded = True
+            row = row.assign(**{name: _rounded(row[name], name, path)})
         if {f"{name}__MIN", f"{name}__MAX"} <= set(frame):
             mixed += int((row[f"{name}__MIN"] != row[f"{name}__MAX"]).sum())
         runs.append(pd.DataFrame({"seed": name.rpartition(" - ")[0], "steps": row[name]}))
     remark = f"{mixed} rows are means of several episodes; export the chart without sampling"
-    return pd.concat(runs), [remark] * bool(mixed)
+    return pd.concat(runs), [remark] * bool(mixed) + [f"the chart has means: {AS_ONE}"] * rounded
 
 
 def _bsuite(frame: pd.DataFrame, path: Path) -> tuple[pd.DataFrame, list[str]]:
@@ -278,6 +314,7 @@ def _tidied(frame: pd.DataFrame, path: Path, name: str, given: Mapping[str, str]
     """Return the columns of the table with names of seeds, and episodes counted from 1."""
     if frame.empty:
         raise UserError(f"{path}: has no episode; leave it out or let it run longer")
+    theirs = list(map(str, frame))
     frame = frame.reset_index(drop=True)
     frame = frame.assign(**{key: value for key, value in given.items() if key not in frame})
     if "seed" not in frame:
@@ -293,7 +330,7 @@ def _tidied(frame: pd.DataFrame, path: Path, name: str, given: Mapping[str, str]
         frame = frame.assign(steps=(total - total.groupby([frame[key] for key in names]).shift(fill_value=0)).map(str))
     if "steps" not in frame:
         raise UserError(
-            f"{path}: has no column of steps among {shortened(', '.join(map(str, frame)), 200)}; give --columns"
+            f"{path}: has no column of steps among {shortened(', '.join(theirs), 200)}; give --columns"
             f" steps=THEIRS, or {TOTAL}=THEIRS for running totals"
         )
     episode = _whole(frame, "episode", path) if "episode" in frame else runs.cumcount() + 1

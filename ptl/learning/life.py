@@ -116,7 +116,7 @@ def learn_task(
     ------
     UserError
         If the task starts at its goal, or the method ends an episode before the goal and before the step limit, begins
-        one, or returns no list of draws.
+        one, or returns anything but a list of draws or None.
     """
     if task.start == task.goal:
         raise UserError(f"task {task.name}: starts at its goal, state {task.goal}; give two states")
@@ -186,11 +186,13 @@ def _run_own_episodes(
 
 
 def _checked_draws(method: BaseMethod, drawn: Any, steps: int) -> list[int]:
+    if drawn is None:  # a method without a return statement draws nothing
+        return []
     if isinstance(drawn, list) and len(drawn) <= steps + 1 and all(map(_is_draw, drawn)):
         return drawn
     raise UserError(
-        f"method {method.label!r}: run_episode must return the list of the skills drawn ([] for none), numbers from 0"
-        f" to {MAX_DRAWN} and at most one more than steps, not {shortened(repr(drawn))}"
+        f"method {method.label!r}: run_episode must return the list of the skills drawn, numbers from 0"
+        f" to {MAX_DRAWN} and at most one more than steps, or nothing, not {shortened(repr(drawn))}"
     )
 
 

@@ -17,7 +17,7 @@ from ptl import methods
 from ptl.agent import seeding
 from ptl.config import TITLE, Parameters
 from ptl.errors import UserError
-from ptl.keys import allowed, key
+from ptl.keys import allowed, key, shortened
 from ptl.learning.life import Life, learn_life, tasks_of
 from ptl.methods import BaseMethod
 from ptl.world.gridworld import GridWorld
@@ -46,9 +46,8 @@ def check_method(method: str | methods.Maker) -> None:
         try:
             msgspec.convert(value, wanted)
         except msgspec.ValidationError:
-            raise UserError(
-                f"method {methods.shown(method)}: {name} = {value!r} is not allowed; give {allowed(wanted)}"
-            ) from None
+            problem = f"{name} = {shortened(repr(value))} is not allowed" if hasattr(kind, name) else f"has no {name}"
+            raise UserError(f"method {methods.shown(method)}: {problem}; give {allowed(wanted)}") from None
     _check_interface(method, kind)
     if _numbers(_trial(method)) != _numbers(_trial(method)):
         raise UserError(

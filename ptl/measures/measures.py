@@ -19,6 +19,7 @@ import pandas as pd
 from ptl.errors import UserError
 from ptl.learning.discoveries import SubgoalRow
 from ptl.measures.exact import expected_first_episode
+from ptl.world.optimum import optimum
 
 if TYPE_CHECKING:
     from ptl.config import Learning
@@ -44,12 +45,12 @@ class Curves:
         Steps of the method without transfer, same seeds.
     truncated : int array (seeds,)
         Number of episodes cut off at the step limit.
-    shortest_path : int
-        Steps from the start to the goal.
+    optimum : float
+        Least expected steps from the start to the goal: the shortest path where no step slips.
     window : int
         Episodes that the asymptotic mean and the moving mean behind the time to threshold cover.
     threshold_factor : float
-        The threshold is this many times the shortest path.
+        The threshold is this many times the optimum.
     expected_first : float, optional
         Expected steps of the base's first episode, to be taken instead of those of ``base``.
 
@@ -62,7 +63,7 @@ class Curves:
     steps: np.ndarray
     base: np.ndarray | None
     truncated: np.ndarray
-    shortest_path: int
+    optimum: float
     window: int
     threshold_factor: float
     expected_first: float | None = None
@@ -93,11 +94,11 @@ def threshold_episode(curves: Curves) -> np.ndarray:
     """Return the time to threshold, float array (seeds,), NaN where the threshold is never reached.
 
     It is the number (counted from 1) of the episode that completes the first ``window`` episodes whose mean is at
-    most ``threshold_factor`` times the shortest path; so it is never less than ``window``.
+    most ``threshold_factor`` times the optimum; so it is never less than ``window``.
     """
     seeds, window = len(curves.steps), curves.window
     sums = np.cumsum(np.hstack([np.zeros((seeds, 1), dtype=np.int64), curves.steps]), axis=1)
-    reached = (sums[:, window:] - sums[:, :-window]) / window <= curves.threshold_factor * curves.shortest_path
+    reached = (sums[:, window:] - sums[:, :-window]) / window <= curves.threshold_factor * curves.optimum
     return np.where(reached.any(axis=1), reached.argmax(axis=1) + float(window), np.nan)
 
 
@@ -308,14 +309,15 @@ def measure(
         for environment, task in tasks
         if learning is not None and (environment, BASE, task) in by_names
     }
+    optima = {(name, task): optimum(worlds[name], worlds[name].goal(task)) for name, task in tasks}
     frames = []
     for own in in_order:
-        world, base = worlds[own.environment], by_names.get((own.environment, BASE, own.task))
+        base = by_names.get((own.environment, BASE, own.task))
         curves = Curves(
             steps=own.steps,
             base=_paired(own, base),
             truncated=own.truncated,
-            shortest_path=world.shortest_path_length(world.start, world.goal(own.task)),
+            optimum=optima[own.environment, own.task],
             window=window,
             threshold_factor=threshold_factor,
             expected_first=None if own is base else expected.get((own.environment, own.task)),

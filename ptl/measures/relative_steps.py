@@ -8,6 +8,7 @@ import pandas as pd
 
 from ptl.measures.measures import BASE
 from ptl.measures.statistics import Resampling, named_generator, ratio_of_independent_means
+from ptl.text import estimate
 
 COLUMNS = ("environment", "tasks", "method", "ratio", "low", "high", "seeds", "base_seeds", "confidence")
 
@@ -57,3 +58,10 @@ def saved_percent(row: Mapping[str, float]) -> tuple[float, float, float]:
     """Return the steps saved in % of the base, with the ends of the interval, from a row of `relative_steps`."""
     value, high, low = (100 * (1 - row[name]) for name in ("ratio", "low", "high"))
     return value, low, high
+
+
+def saved_text(row: Mapping[str, float]) -> str:
+    """Return the steps saved in % of the base; of a method with more than twice its steps, how many times as many."""
+    if row["ratio"] > 2:
+        return estimate(row["ratio"], row["low"], row["high"], "times as many")
+    return estimate(*saved_percent(row), "%")

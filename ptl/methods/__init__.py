@@ -101,9 +101,9 @@ def identifier(method: str | Maker) -> str:
     try:
         checked: str = msgspec.convert(name, Name)
     except msgspec.ValidationError:
+        problem = "has no identifier" if name is None else f"the identifier {name!r} is not allowed"
         raise UserError(
-            f"method {shown(method)}: the identifier {name!r} is not allowed; give {allowed(Name)} as the file's name"
-            " or the attribute name"
+            f"method {shown(method)}: {problem}; give {allowed(Name)} as the file's name or the attribute name"
         ) from None
     if checked in names() and not built_in:
         raise UserError(f"method {shown(method)}: {name} is a built-in method; give the file or the class another name")

@@ -56,8 +56,8 @@ class BaseMethod:
         """Return what to do in each episode of the task that has begun."""
         raise NotImplementedError
 
-    def run_episode(self, learner: Learner) -> list[int]:
-        """Bring the agent from the start to the goal, by the plan; return the skills or arms drawn, in order."""
+    def run_episode(self, learner: Learner) -> list[int] | None:
+        """Bring the agent from the start to the goal, by the plan; return the skills or arms drawn if any."""
         return self.plan().run(learner)
 
     def end_task(self, learner: Learner) -> None:

@@ -8,13 +8,12 @@ from typing import Any
 
 import pandas as pd
 
-from ptl.claims.degrees import CLASSES
+from ptl.claims.degrees import CLASSES, UNDECIDED
 from ptl.measures.measures import BASE
-from ptl.measures.relative_steps import saved_percent
+from ptl.measures.relative_steps import saved_text
 from ptl.measures.sample_size import note
 from ptl.report.ledger import FITTED, READINGS, STYLES, class_counts, counts_text
 from ptl.report.templating import render
-from ptl.text import estimate
 
 
 def compose(
@@ -112,6 +111,7 @@ def _facts(
         "fitted": FITTED,
         "readings": READINGS,
         "counted": counts_text(names) if names else "",
+        "undecided": names.count(UNDECIDED),
         "counts": [
             {"name": name, "number": count, "style": STYLES[name], "meaning": CLASSES[name]}
             for name, count in class_counts(names)
@@ -128,4 +128,4 @@ def _tasks(tasks: str) -> str:
 
 
 def _saved(row: Mapping[str, Any] | None) -> str:
-    return "not in this run" if row is None else estimate(*saved_percent(row), "%")
+    return "not in this run" if row is None else saved_text(row)

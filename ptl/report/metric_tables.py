@@ -234,8 +234,9 @@ def _kind_notes(kind: str, measures: Any) -> list[str]:
             " percentage is a ratio of means; P compares the first episodes of the runs.",
             f"Asymptotic performance: mean steps of the last {measures.window} episodes.",
             f"Time to threshold: first episode at which the mean of the last {measures.window} is at most"
-            f" {number(measures.threshold_factor)} times the shortest path. Its mean covers the seeds that reached it,"
-            " counted under “reached”; bold is given among the methods that reached it in the most seeds.",
+            f" {number(measures.threshold_factor)} times the shortest path, or the least expected steps where steps"
+            " slip. Its mean covers the seeds that reached it, counted under “reached”; bold is given among the methods"
+            " that reached it in the most seeds.",
         ]
     return [
         "Total performance: steps over all episodes of the task.",

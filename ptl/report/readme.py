@@ -41,7 +41,7 @@ def result(published: Path) -> str:
     metrics = read_csv(published / "tables/metrics.csv").set_index(["environment", "task", "method", "metric"])
 
     def saved(environment: str, tasks: str, method: str = PTL) -> str:
-        return estimate(*relative_steps.saved_percent(totals[environment, tasks, method]), "%")
+        return relative_steps.saved_text(totals[environment, tasks, method])
 
     def first(environment: str, tasks: str) -> str:
         found = saved_percent(evidence, environment, tasks, PTL, "first_episode")
@@ -50,17 +50,22 @@ def result(published: Path) -> str:
     def ours(metric: str, method: str = PTL) -> pd.Series:
         return metrics.loc["env1", LAST_TASK, method, metric]
 
-    def in_each(tasks: str, method: str) -> str:
-        texts = [f"{saved(f'env{i}', tasks, method)} in environment {i}" for i in (1, 2, 3)]
+    def times(environment: str, tasks: str) -> str:
+        row = totals[environment, tasks, FULL]
+        return estimate(row["ratio"], row["low"], row["high"])
+
+    def in_each(tasks: str, form: Callable[[str, str], str]) -> str:
+        texts = [f"{form(f'env{i}', tasks)} in environment {i}" for i in (1, 2, 3)]
         return f"{texts[0]}, {texts[1]} and {texts[2]}"
 
     runs = int(per_seed["seed"].nunique())
     claims = read_csv(published / "claims.csv")
     lines = [
         f"**Result.** Over tasks {TRANSFER_TASKS[0]} to {TRANSFER_TASKS[-1]} together, the five that have something to"
-        f" transfer, PTL saves {in_each(TRANSFER_TASKS, PTL)} of the steps that learning from nothing takes; on task"
-        f" {LAST_TASK}, the last one, it saves {in_each(LAST_TASK, PTL)}. The shares of full transfer over all five"
-        f" are {in_each(TRANSFER_TASKS, FULL)}. (Ratio of the means over {runs} runs.)",
+        f" transfer, PTL saves {in_each(TRANSFER_TASKS, saved)} of the steps that learning from nothing takes; on task"
+        f" {LAST_TASK}, the last one, it saves {in_each(LAST_TASK, saved)}. Full transfer's steps over all five,"
+        f" as multiples of those of learning from nothing: {in_each(TRANSFER_TASKS, times)}. (Ratio of the means over"
+        f" {runs} runs.)",
         "",
         f"Of the article's {len(claims)} claims, judged on [many more runs](#results) and under all readings of their"
         f" words: {counts_text(claims['class'])}. One choice of the method, what a skill does within an episode, was"

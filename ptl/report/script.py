@@ -13,7 +13,7 @@ from types import SimpleNamespace
 from typing import Any, get_type_hints
 
 from ptl.config import Configuration, Environment, ForeignResults, Parameters
-from ptl.errors import UserError
+from ptl.errors import INTERRUPTED, UserError
 from ptl.files.job import Job
 from ptl.files.store import Result, read
 from ptl.jobs.kinds import unpacked
@@ -146,3 +146,5 @@ def running(snakemake: Any) -> Iterator[Script]:
         yield Script.of(snakemake)
     except UserError as error:
         sys.exit(f"error: {error}")
+    except KeyboardInterrupt:
+        sys.exit(f"error: {INTERRUPTED}")

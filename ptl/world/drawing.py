@@ -4,9 +4,10 @@ Changes are named ``<environment>.<kind>``, with the kinds
 
 ``start``     another start cell, [row, column] counted from 0,
 ``chain``     a chain of seven rooms, drawn with the parameters of `chain_of_rooms`,
-``corridor``  a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`.
+``corridor``  a corridor with small rooms and one big room, drawn with the parameters of `corridor_with_rooms`,
+``slip``      the probability that a step slips.
 
-The last two draw a new map, regardless of the given world.
+Those of a chain and a corridor draw a new map, regardless of that of the given world.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ ROOM_SIZE, GOAL_DEPTH = 10, 0.9
 GOAL_ROW = 0.9
 """Row of every goal in its room of the chain, as a share of the room's height."""
 
-KINDS = ("start", "chain", "corridor")
+KINDS = ("start", "chain", "corridor", "slip")
 
 
 def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
@@ -38,9 +39,11 @@ def changed_world(world: GridWorld, changes: Mapping[str, object]) -> GridWorld:
         raise UserError(f"{world.name}: cannot change {unknown.pop()!r}; known are {', '.join(KINDS)}")
     for kind, draw in (("chain", chain_of_rooms), ("corridor", corridor_with_rooms)):
         if kind in changes:
-            world = GridWorld.from_text(draw(**changes[kind]), name=world.name)  # type: ignore[arg-type, operator]
+            world = GridWorld.from_text(draw(**changes[kind]), world.name, world.slip)  # type: ignore[arg-type, operator]
     if "start" in changes:
         world = with_start(world, changes["start"])  # type: ignore[arg-type]
+    if "slip" in changes:
+        world = world.with_slip(changes["slip"])  # type: ignore[arg-type]
     return world
 
 
@@ -53,7 +56,7 @@ def with_start(world: GridWorld, cell: Sequence[int]) -> GridWorld:
             f"{world.name}: row {row}, column {column} (from 0) is not a free cell without a goal; choose another start"
         )
     rows[row][column] = "I"
-    return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", name=world.name)
+    return GridWorld.from_text("\n".join(map("".join, rows)) + "\n", world.name, world.slip)
 
 
 def chain_of_rooms(size: object = ROOM_SIZE, depth: object = GOAL_DEPTH, door: object = None, rooms: int = 7) -> str:

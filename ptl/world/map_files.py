@@ -83,7 +83,7 @@ def _read(path: Path, options: MapOptions) -> MapRead:
     if content[:2] in (b"P2", b"P5") and content[2:3].isspace():
         image, settings = path, next(filter(Path.is_file, map(path.with_suffix, (".yaml", ".yml"))), None)
         return _placed(_ros(image, content, settings, options), options, path)
-    text = _text(content, path)
+    text = mazes.unlisted(_text(content, path))
     kind = options.format or _format_of(text, path)
     if kind != "ros" and options.cell:
         raise UserError(f"{path}: metres of a cell (--cell) are given, but the map is not an image of ROS map_server")
@@ -149,7 +149,7 @@ def _text(content: bytes, path: Path) -> str:
 
 def _format_of(text: str, path: Path) -> str:
     """Return the format of a text; one that is not read is named."""
-    if moving_ai.HEADER.match(text):
+    if moving_ai.HEADER.search(text[:1000]):
         return "moving_ai"
     if re.search(r"^image[ \t]*:", text, re.MULTILINE):
         return "ros"

@@ -57,6 +57,13 @@ def steps_of_policy(world: GridWorld, policy: np.ndarray, goal: int) -> np.ndarr
     return expected
 
 
+def optimum(world: GridWorld, goal: int) -> float:
+    """Return the least expected steps from the start to a goal: the shortest path where no step slips."""
+    if world.slip == 0:
+        return float(world.shortest_path_length(world.start, goal))
+    return float(optimal_steps(world, goal)[world.start])
+
+
 def optimal_steps(world: GridWorld, goal: int) -> np.ndarray:
     """Return the least expected steps from every state to a goal, by policy iteration.
 

@@ -14,17 +14,19 @@ from ptl.files.store import Result
 from ptl.files.tables import check_numbers, read_table
 from studies.beyond.design import SecondStudy
 from studies.beyond.jobs import LivesOnMaps
-from studies.beyond.lives import NO_CHANGE
-from studies.beyond.maps import MAIN
+from studies.beyond.lives import NO_CHANGE, last_episodes
+from studies.beyond.maps import MAIN, RETURNING
 from studies.beyond.methods import reference
 from studies.beyond.population import read_population
 
 KEYS = ("family", "map", "size", "sequence", "slip", "change", "method", "per_task", "seed")
 TASK_COLUMNS = (
-    *KEYS, "task", "steps", "first_episode", "optimum", "truncated", "library_size", "states", "winding",
+    *KEYS, "task", "steps", "first_episode", "last_episodes", "optimum", "truncated", "library_size", "states",
+    "winding",
 )  # fmt: skip
-"""``task`` counts from 1; ``optimum`` is episodes x expected steps of the best policy, the shortest path where nothing
-slips; ``library_size`` is that after the task."""
+"""``task`` counts from 1; ``last_episodes`` is the mean number of steps over the last tenth of the episodes;
+``optimum`` is episodes x expected steps of the best policy, the shortest path where nothing slips; ``library_size`` is
+that after the task."""
 
 TEXTS = ("family", "map", "sequence", "change")
 """Columns whose values are text, in addition to those of `ptl.files.tables`."""
@@ -66,6 +68,7 @@ def _rows(job: LivesOnMaps, arrays: Mapping[str, np.ndarray]) -> pd.DataFrame:
             "task": of_task + 1,
             "steps": arrays["steps"].ravel(),
             "first_episode": arrays["first"].ravel(),
+            "last_episodes": arrays["last"].ravel() / last_episodes(job.settings),
             "optimum": (job.settings.learning.episodes * arrays["optimum"])[of_map, of_task],
             "truncated": arrays["truncated"].ravel(),
             "library_size": arrays["library_size"].ravel(),
@@ -81,7 +84,7 @@ def per_life(tasks: pd.DataFrame) -> pd.DataFrame:
 
     The first task is the same for all methods that need a library or a memory, which is empty then.
     """
-    lives = _lives(tasks[certain(tasks)])
+    lives = _lives(tasks[certain(tasks) & (tasks["sequence"] != RETURNING)])
     return lives.astype({"optimum": "int64"})[list(LIFE_COLUMNS)]  # sums of shortest paths
 
 

@@ -11,12 +11,12 @@ from ptl import methods
 from ptl.config import PATH, RUN_NAME, TASKS, Name, Parameters, Statistics
 from ptl.errors import UserError
 from ptl.files.configuration import check_text, read_yaml
-from ptl.keys import ConfigurationError, Group, key, repeated
+from ptl.keys import ConfigurationError, Group, key, repeated, shortened
 from ptl.learning.trial import check_method
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.mazes import FAMILIES
 from studies.beyond.changes import RULES
-from studies.beyond.maps import MAIN, SEQUENCES
+from studies.beyond.maps import MAIN, RETURNING, SEQUENCES
 from studies.beyond.methods import module_of, reference
 from studies.beyond.population import BANDS, MAPS, SIZE
 
@@ -58,6 +58,15 @@ class Harder(Group, frozen=True, kw_only=True):
     changes: Annotated[list[str], key("Rules by which maps change.", wanted="a list of names")] = []  # noqa: RUF012
     methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
     maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+    article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 10
+
+
+class Returning(Group, frozen=True, kw_only=True):
+    """Lives that end with the first task once more, on the first maps of each family and on the article's maps."""
+
+    methods: Annotated[list[str], key("Methods compared.", wanted="a list of methods")] = []  # noqa: RUF012
+    maps: Annotated[int, key("Maps of each family.", ge=1, le=10**5)] = 10
+    seeds: Annotated[int, key("Lives on each map.", ge=1, le=10**5)] = 3
     article_seeds: Annotated[int, key("Lives on each of the article's maps.", ge=1, le=10**5)] = 10
 
 
@@ -109,6 +118,7 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
     sequences: Sequences = Sequences()
     library_sizes: LibrarySizes = LibrarySizes()
     harder: Harder = Harder()
+    returning: Returning = Returning()
     explorer: Shown = Shown()
     batch: Annotated[int, key("Maps in one job.", ge=1, le=10**5)] = 25
     statistics: Statistics = Statistics()
@@ -117,11 +127,12 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         super().__post_init__()
         for name, given, known in (
             ("families", self.families, FAMILIES),
-            ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s != MAIN]),
+            ("sequences.names", self.sequences.names, [s for s in SEQUENCES if s not in (MAIN, RETURNING)]),
             ("sequences.methods", self.sequences.methods, self.methods),
             ("library_sizes.methods", self.library_sizes.methods, self.methods),
             ("harder.changes", self.harder.changes, RULES),
             ("harder.methods", self.harder.methods, self.methods),
+            ("returning.methods", self.returning.methods, self.methods),
             ("explorer.methods", self.explorer.methods, self.methods),
         ):
             for value in given:
@@ -162,7 +173,11 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
         study = cls.from_dict(given)
         for name, method in methods.by_identifier(map(reference, study.methods)).items():
             check_method(method)
-            check_text(f"methods: label of {name}", methods.load(method).label)
+            kind = methods.load(method)
+            check_text(f"methods: label of {name}", kind.label)
+            knows = getattr(kind, "knows", ("", "", ""))
+            if not (isinstance(knows, tuple) and len(knows) == 3 and all(isinstance(text, str) for text in knows)):
+                raise UserError(f"method {name}: knows = {shortened(repr(knows))} is not allowed; give three texts")
         if not study.methods and not study.foreign_lives:
             raise ConfigurationError("methods", "is empty, and so is foreign_lives; name a method or a file of lives")
         for name in study.library_sizes.methods:
@@ -174,6 +189,11 @@ class SecondStudy(Parameters, frozen=True, kw_only=True):
     def is_harder(self) -> bool:
         """Whether methods are compared in worlds that slip or change."""
         return bool(self.harder.methods and (self.harder.slips or self.harder.changes))
+
+    @property
+    def returns(self) -> bool:
+        """Whether methods are sent back to the first task on some map."""
+        return bool(self.returning.methods and (self.families or self.article_maps))
 
     @property
     def modules(self) -> list[str]:
@@ -199,13 +219,16 @@ def report_files(study: SecondStudy, lived: Iterable[str]) -> list[str]:
     lived : iterable of str
         Families with lives of other programs.
     """
-    tables, numbers = ["costs", "ratios", "improvement", "components"], ["winding_trends", "sequences"]
+    tables, numbers = ["costs", "ratios", "improvement", "components", "sequences"], []
     figures = ["strip", "overview", "profiles", "tasks"]
     sizes = study.library_sizes
     if sizes.methods and sizes.per_task and (study.families or study.article_maps or study.moving_ai):
         figures.append("library_size")
     if study.families and (study.methods or {*lived} & {*study.families}):
-        figures.append("winding")
+        figures.append("hardness")
+        tables.append("hardness_trends")
+    if study.returns:
+        tables.append("lifelong")
     if study.is_harder:
         tables.append("harder")
         numbers.append("per_life_harder")

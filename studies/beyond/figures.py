@@ -22,15 +22,21 @@ PANELS = 3
 """Panels in a row."""
 
 TICKS = [1, 2, 5, 10, 20, 50, 100, 200, 500]
+RATIO_TICKS = [0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100]
 
 
 @dataclass(frozen=True)
 class Look:
-    """Label and colour of a method."""
+    """Label and colour of a method.
+
+    ``knows`` says what it is told about the goal, whether it relies on certain moves, and what it keeps from task to
+    task.
+    """
 
     label: str
     colour: str
     dashed: bool = False
+    knows: tuple[str, str, str] = ("not stated", "not stated", "not stated")
 
 
 def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], legend: float = 0.0) -> tuple:
@@ -46,8 +52,8 @@ def _panels(families: Sequence[str], height: float, titles: Mapping[str, str], l
     return figure, axes, grid
 
 
-def _cost_axis(ax: Axes, axis: str, low: float, high: float) -> None:
-    ticks = [tick for tick in TICKS if low / 1.3 <= tick <= high * 1.3]
+def _cost_axis(ax: Axes, axis: str, low: float, high: float, ticks: Sequence[float] = TICKS) -> None:
+    ticks = [tick for tick in ticks if low / 1.3 <= tick <= high * 1.3]
     getattr(ax, f"set_{axis}scale")("log")
     getattr(ax, f"set_{axis}ticks")(ticks, [f"{tick:g}" for tick in ticks])
     getattr(ax, f"{axis}axis").minorticks_off()
@@ -98,12 +104,21 @@ def _curves(
     return figure
 
 
+def _by_family(costs: pd.DataFrame, families: Sequence[str]) -> pd.DataFrame:
+    """Return costs with a row for each method, in the order of its mean cost, and a column for each family."""
+    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=families)
+    return table.loc[np.log(table).mean(axis=1).sort_values().index]
+
+
 @style.styled
 def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
-    """Draw the cost of every method in every family as a coloured number, methods in the order of their mean cost."""
-    table = costs.pivot(index="method", columns="family", values="cost").reindex(columns=list(titles))
-    means = np.exp(np.log(table).mean(axis=1))
-    table = table.loc[means.sort_values().index]
+    """Draw the cost of every method in every family as a coloured number, methods in the order of their mean cost.
+
+    A sign of similarity stands before a cost whose ratio to that of the base may be 1.
+    """
+    table = _by_family(costs, list(titles))
+    unclear = costs[(costs["ratio_low"] <= 1) & (costs["ratio_high"] >= 1)]
+    unclear = set(zip(unclear["method"], unclear["family"], strict=True))
     rows, columns = table.shape
     figure = style.new_figure(style.SLIDE_WIDTH, 0.33 * rows + 1.6)
     ax = figure.add_subplot()
@@ -112,7 +127,8 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
     for row, method in enumerate(table.index):
         for column, value in enumerate(table.loc[method]):
             if np.isfinite(value):
-                ax.text(column + 0.5, row + 0.5, number(round(value, 1 if value < 100 else 0)), ha="center",
+                near = "≈ " if (method, table.columns[column]) in unclear else ""
+                ax.text(column + 0.5, row + 0.5, near + number(round(value, 1 if value < 100 else 0)), ha="center",
                         va="center", fontsize=12)  # fmt: skip
     ax.set_yticks(np.arange(rows) + 0.5, [looks[method].label for method in table.index], fontsize=12)
     for label, method in zip(ax.get_yticklabels(), table.index, strict=True):
@@ -128,20 +144,24 @@ def strip(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
 
 @style.styled
 def overview(costs: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
-    """Draw the cost of every method, one panel a family."""
+    """Draw the ratio of every method to PTL on the same maps, one panel a family; the cost where PTL was not run."""
+    value, low, high = ("ratio", "ratio_low", "ratio_high") if costs["ratio"].notna().any() else ("cost", "low", "high")
+    costs = costs.dropna(subset=[value])
     families = list(dict.fromkeys(costs["family"]))
-    methods = [method for method in looks if method in set(costs["method"])]
+    methods = list(_by_family(costs, families).index)
     figure, axes, grid = _panels(families, 0.28 * len(methods) + 0.8, titles)
+    ends = costs[[value, low, high]]
     for family, ax in axes.items():
         own = costs[costs["family"] == family].set_index("method").reindex(methods)
         places = np.arange(len(methods))[::-1]
         colours = [looks[method].colour for method in methods]
-        ax.hlines(places, own["low"], own["high"], color=colours, linewidth=4, alpha=0.35)
-        ax.scatter(own["cost"], places, color=colours, s=42, zorder=3)
-        _cost_axis(ax, "x", 1.0, costs[["cost", "high"]].max().max())
+        ax.axvline(1, color=style.INK, linewidth=1)
+        ax.hlines(places, own[low], own[high], color=colours, linewidth=4, alpha=0.35)
+        ax.scatter(own[value], places, color=colours, s=42, zorder=3)
+        _cost_axis(ax, "x", float(ends.min().min()), float(ends.max().max()), RATIO_TICKS)
         ax.set_yticks(places, [looks[method].label for method in methods], fontsize=11.5)
         ax.grid(axis="y", visible=False)
-    _label_sides(grid, families, "cost, × optimum", "")
+    _label_sides(grid, families, "cost, × PTL’s" if value == "ratio" else "cost, × optimum", "")
     return figure
 
 
@@ -196,7 +216,7 @@ def slips(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
     Parameters
     ----------
     frame : DataFrame
-        As `harder_costs` makes it.
+        The costs that `by_world` makes, of all worlds.
     """
     families = [family for family in titles if family in set(frame["family"])]
     worlds = list(dict.fromkeys(frame["world"]))
@@ -245,19 +265,31 @@ def tasks(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, s
 
 
 @style.styled
-def winding(frame: pd.DataFrame, looks: Mapping[str, Look], titles: Mapping[str, str]) -> Figure:
-    """Draw the cost on each map against its winding, one panel a method, one colour a family."""
-    methods = [method for method in looks if method in set(frame["method"])]
-    figure, axes, grid = _panels(methods, 2.9, {method: looks[method].label for method in methods}, legend=0.6)
+def hardness(
+    frame: pd.DataFrame, measures: Mapping[str, str], looks: Mapping[str, Look], titles: Mapping[str, str]
+) -> Figure:
+    """Draw the cost on each map against its hardness: a row for each method, a column for each measure.
+
+    Parameters
+    ----------
+    frame : DataFrame
+        As `studies.beyond.summary.hardness` makes it.
+    measures : mapping
+        Label of the axis of each measure.
+    """
+    methods = [method for method in looks if method in frame]
+    figure = style.new_figure(style.SLIDE_WIDTH, 2.6 * len(methods) + 0.8)
+    grid = figure.subplots(len(methods), len(measures), sharex="col", sharey=True, squeeze=False)
     families = list(dict.fromkeys(frame["family"]))
-    for method, ax in axes.items():
-        for family, colour in zip(families, style.CATEGORIES * 2, strict=False):
-            part = frame[(frame["family"] == family) & (frame["method"] == method)]
-            ax.scatter(part["winding"], part["cost"], s=14, color=colour, alpha=0.6, linewidth=0, label=titles[family])
-        _cost_axis(ax, "y", 1.0, frame["cost"].max())
-        ax.set_xscale("log")
-        ax.set_xticks([1, 1.5, 2, 3, 4], ["1", "1.5", "2", "3", "4"])
-        ax.minorticks_off()
-    _label_sides(grid, methods, "winding (path ÷ straight line)", "cost, × optimum")
-    _legend(figure, axes[methods[0]], 6)
+    for method, row in zip(methods, grid, strict=True):
+        for (measure, label), ax in zip(measures.items(), row, strict=True):
+            for family, colour in zip(families, style.CATEGORIES * 2, strict=False):
+                part = frame[frame["family"] == family]
+                ax.scatter(part[measure], part[method], s=18, color=colour, alpha=0.7, linewidth=0,
+                           label=titles[family])  # fmt: skip
+            _cost_axis(ax, "y", 1.0, float(frame[methods].max().max()))
+            ax.set_xlabel(label if method == methods[-1] else "", fontsize=14)
+            ax.set_title(looks[method].label, fontsize=15)
+        row[0].set_ylabel("cost, × optimum", fontsize=14)
+    _legend(figure, grid[0, 0], 6)
     return figure

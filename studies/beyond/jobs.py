@@ -16,7 +16,7 @@ from ptl.files.outside import learning_code
 from ptl.files.provenance import LEARNING
 from ptl.world.gridworld import GridWorld
 from ptl.world.mazes import FAMILIES
-from studies.beyond.lives import NO_CHANGE, lives_on_maps, variant
+from studies.beyond.lives import NO_CHANGE, last_episodes, lives_on_maps, variant
 from studies.beyond.maps import SEQUENCES, checked_map
 
 LIVES = "studies.beyond.lives"
@@ -24,7 +24,7 @@ LIVES = "studies.beyond.lives"
 
 
 @register
-class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/2"):
+class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/3"):
     """Lives of one method on some maps of a family: $m$ maps, $s$ lives on each, $t$ tasks.
 
     Generated maps are made anew; ``maps`` has the digest of each, with increasing tasks, by its seed. A given map is an
@@ -48,6 +48,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/2"):
     ARRAYS = {  # noqa: RUF012
         "steps": Array("int64", ("m", "s", "t"), "steps of all episodes of each task", 0),
         "first": Array("int64", ("m", "s", "t"), "steps of the first episode", 0),
+        "last": Array("int64", ("m", "s", "t"), "steps of the last tenth of the episodes, at least one", 0),
         "truncated": Array("int64", ("m", "s", "t"), "episodes that hit the step limit", 0, "e"),
         "library_size": Array("int64", ("m", "s", "t"), "skills in the library after the task", 0),
         "shortest": Array("int64", ("m", "t"), "shortest path of each task", 1),
@@ -97,7 +98,7 @@ class LivesOnMaps(Job, frozen=True, kw_only=True, tag="map_lives/2"):
         """Yield the impossible values."""
         learning, shortest = self.settings.learning, arrays["shortest"][:, None, :]
         least = np.minimum(shortest, learning.max_steps)
-        for name, episodes in (("steps", learning.episodes), ("first", 1)):
+        for name, episodes in (("steps", learning.episodes), ("first", 1), ("last", last_episodes(self.settings))):
             if (arrays[name] < episodes * least).any():
                 yield f"{name}: a task took fewer steps than its shortest path"
             if (arrays[name] > episodes * learning.max_steps).any():

@@ -82,8 +82,9 @@ def lives_on_maps(
     Returns
     -------
     dict of arrays
-        int64 (maps, seeds, tasks): ``steps`` of all episodes, ``first`` (steps of the first episode), ``truncated``
-        (number of episodes) and ``library_size`` after the task; int64 (maps, tasks): ``shortest`` path of each task;
+        int64 (maps, seeds, tasks): ``steps`` of all episodes, ``first`` (steps of the first episode), ``last`` (steps
+        of the last `last_episodes`), ``truncated`` (number of episodes) and ``library_size`` after the task; int64
+        (maps, tasks): ``shortest`` path of each task;
         float64 (maps, tasks): ``optimum``, the expected steps of the best policy where steps slip; ``states``,
         int64 (maps,), and ``winding``, float64 (maps,).
     """
@@ -98,10 +99,11 @@ def lives_on_maps(
             {
                 "steps": [[record.steps.sum() for record in life] for life in lives],
                 "first": [[record.steps[0] for record in life] for life in lives],
+                "last": [[record.steps[-last_episodes(parameters) :].sum() for record in life] for life in lives],
                 "truncated": [[record.truncated.sum() for record in life] for life in lives],
                 "library_size": [[record.library_size for record in life] for life in lives],
                 "shortest": [there.shortest_path_length(task.start, task.goal) for task, there in placed],
-                "optimum": [_optimum(there, task) for task, there in placed],
+                "optimum": [expected_optimum(there, task) for task, there in placed],
                 "states": world.n_states,
                 "winding": winding(world),
             }
@@ -109,7 +111,12 @@ def lives_on_maps(
     return _stacked(rows)
 
 
-def _optimum(world: GridWorld, task: Task) -> float:
+def last_episodes(parameters: Parameters) -> int:
+    """Return how many episodes at the end of a task show what was learned: a tenth, at least one."""
+    return max(1, parameters.learning.episodes // 10)
+
+
+def expected_optimum(world: GridWorld, task: Task) -> float:
     """Return the expected steps of the best policy; without slip the shortest path, as a whole number."""
     if world.slip == 0:
         return float(world.shortest_path_length(task.start, task.goal))

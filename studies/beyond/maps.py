@@ -13,6 +13,9 @@ from ptl.world.mazes import FREE, GOALS, START, WALL, draw, largest_part, stream
 MAIN = "increasing"
 """Sequence of tasks of the main comparison, as in the article."""
 
+RETURNING = "returning"
+"""Sequence of the main comparison, or of a given map, after which the first task comes again."""
+
 
 # -- sequences of tasks --------------------------------------------------------------------------------------
 
@@ -60,9 +63,11 @@ SEQUENCES: dict[str, Callable[[GridWorld, np.random.Generator, int], list[int]]]
     "clustered": _clustered,
     "reversed": _reversed,
     "adversarial": _adversarial,
+    RETURNING: _increasing,
 }
 """Orders in which goals come: by shortest path from the start (as in the article), as drawn, all in one corner, by
-decreasing path, and each the state with the greatest detour from the start and all earlier goals."""
+decreasing path, each the state with the greatest detour from the start and all earlier goals, and as in the article
+with the first task once more at the end."""
 
 
 # -- maps ----------------------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from ptl.world.mazes import GOALS
 from studies.beyond.design import ARTICLE, SecondStudy
 from studies.beyond.jobs import LIVES, LivesOnMaps
 from studies.beyond.lives import NO_CHANGE
-from studies.beyond.maps import MAIN
+from studies.beyond.maps import MAIN, RETURNING
 from studies.beyond.methods import reference
 from studies.beyond.population import TABLE, MapEntry, read_population
 
@@ -131,21 +131,25 @@ def _designed(
     study: SecondStudy, population: Population, given: Mapping[tuple[str, str], GivenMap]
 ) -> Iterator[tuple[str, int, str, str, int, dict[str, str], str, int, float, str]]:
     """Yield family, size, sequence, tasks, lives on each map, maps, method, skills added a task, slip and change."""
-    sizes, others, harder = study.library_sizes, study.sequences, study.harder
+    sizes, others, harder, returning = study.library_sizes, study.sequences, study.harder, study.returning
     worlds = [*((slip, NO_CHANGE) for slip in harder.slips), *((0.0, change) for change in harder.changes)]
     as_they_are = [(name, 0) for name in study.methods]
     sized = [(name, number) for name in sizes.methods for number in sizes.per_task]
     certain = (0.0, NO_CHANGE)
-    plans = [(MAIN, study.maps, *variant, *certain) for variant in as_they_are]
-    plans += [(sequence, others.maps, name, 0, *certain) for sequence in others.names for name in others.methods]
-    plans += [(MAIN, sizes.maps, *variant, *certain) for variant in sized]
-    plans += [(MAIN, harder.maps, name, 0, *world) for world in worlds for name in harder.methods]
+    lives, again = study.seeds, GOALS + GOALS[0]
+    plans = [(MAIN, GOALS, lives, study.maps, *variant, *certain) for variant in as_they_are]
+    plans += [
+        (order, GOALS, lives, others.maps, name, 0, *certain) for order in others.names for name in others.methods
+    ]
+    plans += [(MAIN, GOALS, lives, sizes.maps, *variant, *certain) for variant in sized]
+    plans += [(MAIN, GOALS, lives, harder.maps, name, 0, *world) for world in worlds for name in harder.methods]
+    plans += [(RETURNING, again, returning.seeds, returning.maps, name, 0, *certain) for name in returning.methods]
     for family in study.families:
-        for sequence, number, name, per_task, slip, change in plans:
+        for sequence, tasks, lives, number, name, per_task, slip, change in plans:
             seeds = study.seeds_of_maps[:number]
             for batch in (seeds[first : first + study.batch] for first in range(0, len(seeds), study.batch)):
                 maps = {str(seed): population[family, seed].hash for seed in batch}
-                yield family, study.size, sequence, GOALS, study.seeds, maps, name, per_task, slip, change
+                yield family, study.size, sequence, tasks, lives, maps, name, per_task, slip, change
     for name, per_task in (*as_they_are, *sized):
         for family, entry in study.article_maps.items():
             maps = {family: given[family, family].digest}
@@ -158,6 +162,11 @@ def _designed(
         for family, entry in study.article_maps.items():
             maps = {family: given[family, family].digest}
             yield family, 0, ARTICLE, entry.tasks, harder.article_seeds, maps, name, 0, *world
+    for name in returning.methods:
+        for family, entry in study.article_maps.items():
+            maps = {family: given[family, family].digest}
+            tasks = entry.tasks + entry.tasks[0]
+            yield family, 0, RETURNING, tasks, returning.article_seeds, maps, name, 0, *certain
 
 
 def shown_jobs(study: SecondStudy, population: Population) -> dict[str, Learn]:
@@ -195,7 +204,8 @@ def cost_of_lives(
         for place in job.places:
             if job.size:
                 entry = population[job.family, int(place)]
-                taken = sum(steps_of_task(entry.states, length, learning) for length in entry.shortest_paths)
+                lengths = [entry.shortest_paths[GOALS.index(letter)] for letter in job.tasks]
+                taken = sum(steps_of_task(entry.states, length, learning) for length in lengths)
             else:
                 taken = steps_of_life(given[job.family, place].world, job.tasks, learning)
             steps += job.seeds * taken * COSTLY.get(job.method, 1)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ptl.files.csv import read_csv
 from ptl.text import number
+from ptl.world.mazes import FAMILIES
 
 MODEL = "rmax_memory"
 """The learner with a kept model."""
@@ -14,7 +15,7 @@ MODEL = "rmax_memory"
 def against_a_model(published: Path) -> str:
     """Return what the learner with a model costs beside PTL, in a sentence on one line."""
     ratios = read_csv(published.parent / "beyond/ratios.csv")
-    own = ratios[(ratios["method"] == MODEL) & ~ratios["family"].str.match("env[0-9]")]["ratio"]
+    own = ratios[(ratios["method"] == MODEL) & ratios["family"].isin(FAMILIES)]["ratio"]
     low, high = number(round(own.min(), 2)), number(round(own.max(), 2))
     return (
         f"**And beside other methods?** On the {len(own)} families of generated maps of the"

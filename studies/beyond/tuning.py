@@ -1,8 +1,9 @@
 """Hyper-parameters of rivals, tuned on the tuning band: `make tune-beyond` writes config/tuned.csv.
 
-For each method a grid of settings is tried on the same maps and lives. The cost of a setting is the geometric mean over
-families of the geometric mean over their maps and lives of steps ÷ optimum, as on the page. The rule, fixed before the
-runs: the setting of the lowest cost is chosen. No map of the test band is looked at.
+For each method a grid of settings is tried on the same maps and lives, where moves are certain and at each slip of the
+study (config/beyond.yaml). The cost of a setting is the geometric mean over families of the geometric mean over their
+maps and lives of steps ÷ optimum of the same world, as on the page. The rule, fixed before the runs: at each slip, the
+setting of the lowest cost is chosen. No map of the test band is looked at.
 """
 
 from __future__ import annotations
@@ -19,12 +20,15 @@ from ptl.files.csv import write_csv
 from ptl.learning.life import learn_life, tasks_of
 from ptl.methods import load
 from ptl.world.mazes import FAMILIES, GOALS
+from studies.beyond.design import read_study
+from studies.beyond.lives import expected_optimum
 from studies.beyond.maps import MAIN, checked_map
 from studies.beyond.methods import reference
 from studies.beyond.population import BANDS, SIZE, read_population
 
-TABLE = Path(__file__).parent / "config/tuned.csv"
-COLUMNS = ("method", "setting", *FAMILIES, "cost", "chosen")
+CONFIG = Path(__file__).parent / "config"
+TABLE = CONFIG / "tuned.csv"
+COLUMNS = ("method", "slip", "setting", *FAMILIES, "cost", "chosen")
 
 ROOT_SEED = 15
 MAPS, LIVES = 4, 2
@@ -40,6 +44,11 @@ GRIDS: dict[str, dict[str, tuple[float, ...]]] = {
 """Values tried of each hyper-parameter, by method; the first of each is that of the reproduction."""
 
 
+def slips() -> list[float]:
+    """Return the probabilities of a slip in the study: 0 and those of its harder worlds."""
+    return [0.0, *read_study(CONFIG / "beyond.yaml").harder.slips]
+
+
 def settings(method: str) -> Iterator[dict[str, float]]:
     """Yield all combinations of the values of a method's grid."""
     grid = GRIDS[method]
@@ -52,39 +61,38 @@ def shown(setting: Mapping[str, float]) -> str:
     return " ".join(f"{name.replace('__', '.')}={value:g}" for name, value in setting.items())
 
 
-def costs(method: str, setting: Mapping[str, float]) -> dict[str, float]:
-    """Return the cost of a setting in each family."""
+def costs(method: str, setting: Mapping[str, float], slip: float = 0.0) -> dict[str, float]:
+    """Return the cost of a setting in each family, where steps slip with a given probability."""
     rows = {(row.family, row.seed): row for row in read_population() if row.size == SIZE}
     parameters, kind = Parameters().replace(**setting), load(reference(method))
     found = {}
     for family in FAMILIES:
         logs = []
         for seed in range(BANDS["tuning"], BANDS["tuning"] + MAPS):
-            world = checked_map(family, SIZE, seed, rows[family, seed].hash, MAIN)
-            optimum = parameters.learning.episodes * sum(rows[family, seed].shortest_paths[1:])
+            world = checked_map(family, SIZE, seed, rows[family, seed].hash, MAIN).with_slip(slip)
+            tasks = tasks_of(world, GOALS)
+            optimum = parameters.learning.episodes * sum(expected_optimum(world, task) for task in tasks[1:])
             for life in range(LIVES):
-                records = learn_life(
-                    world, tasks_of(world, GOALS), kind, parameters, ROOT_SEED, family, seed, life
-                ).records
+                records = learn_life(world, tasks, kind, parameters, ROOT_SEED, family, seed, life).records
                 logs.append(np.log(sum(record.steps.sum() for record in records[1:]) / optimum))
         found[family] = float(np.exp(np.mean(logs)))
     return found
 
 
 def choices(table: pd.DataFrame) -> pd.Series:
-    """Return which rows have the lowest cost of their method, the first of several."""
-    return table.index.isin(table.groupby("method")["cost"].idxmin())
+    """Return which rows have the lowest cost of their method and slip, the first of several."""
+    return table.index.isin(table.groupby(["method", "slip"])["cost"].idxmin())
 
 
 def tune() -> pd.DataFrame:
-    """Try all settings; return one row for each."""
+    """Try all settings at each slip; return one row for each."""
     rows = []
-    for method in GRIDS:
+    for method, slip in itertools.product(GRIDS, slips()):
         for setting in settings(method):
-            of_families = costs(method, setting)
+            of_families = costs(method, setting, slip)
             cost = float(np.exp(np.mean(np.log(list(of_families.values())))))
-            rows.append({"method": method, "setting": shown(setting), **of_families, "cost": cost})
-            print(f"{method} {shown(setting)}: {cost:.3f}", flush=True)
+            rows.append({"method": method, "slip": slip, "setting": shown(setting), **of_families, "cost": cost})
+            print(f"{method}, slip {slip:g}, {shown(setting)}: {cost:.3f}", flush=True)
     table = pd.DataFrame(rows)
     return table.assign(chosen=choices(table))[list(COLUMNS)]
 

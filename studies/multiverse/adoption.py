@@ -7,7 +7,8 @@ The rule (chosen before any setting was learned):
 2. Ways whose mean is less than two standard errors of the difference below it are not told apart: of these, the one
    that needs fewer choices made by fit, then the first in the order of the study's file, simplest first.
 
-The rule compares ways to use a skill over all that else is unknown, so no drawing or width enters by its fit.
+The rule compares ways to use a skill over all that else is unknown, so no drawing or width enters by its fit. Claims
+that were added later (E2-unknown, E3-recovery) do not enter.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from ptl.claims.comparisons import PTL
 from ptl.claims.reading import LAST_TASK, TRANSFER_TASKS
 from ptl.measures.measures import BASE
 from ptl.world.drawing import KINDS
-from studies.multiverse.design import Unknown
+from studies.multiverse.design import EVERY, Unknown
 
 HEADLINES = ("jump_start", "transfer_ratio", "threshold_episode")
 """Estimates with a specification curve: % of the first episode saved, % of all steps saved, episodes to threshold."""
@@ -96,7 +96,7 @@ def association_table(
 def _enters(unknown: str, environment: str) -> bool:
     """Return whether an unknown can matter in an environment: drawings of other maps cannot."""
     first, second = unknown.split(".")[:2]
-    return second not in KINDS or first == environment
+    return second not in KINDS or first in (environment, EVERY)
 
 
 def _association(values: list[Any], score: np.ndarray, unknown: Unknown) -> tuple[float, float]:

@@ -19,9 +19,12 @@ PARAMETERS = Parameters.__struct_fields__
 GROUPS = (*PARAMETERS, "measures")
 """Groups of the configuration whose keys can be drawn."""
 
+EVERY = "environments"
+"""Stands for every environment in the name of an unknown."""
+
 UNKNOWN = text(
     r"[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*(\.[a-z][a-z0-9_]*)?",
-    "group.key of the configuration, or environment.kind or environment.kind.part of a drawing",
+    f"group.key of the configuration, or environment.kind or environment.kind.part of a drawing, {EVERY} for each one",
     129,
 )
 METHOD = text("[a-z][a-z0-9_]*", "the identifier of a method")

@@ -14,7 +14,8 @@ from ptl.learning.lives import grow_lives, learn_lives
 from ptl.measures.measures import Curves, asymptotic, first_episode, threshold_episode, total_steps, truncated
 from ptl.world.drawing import changed_world
 from ptl.world.gridworld import GridWorld
-from studies.multiverse.design import Point, drawings_of, measures_of, parameters_of
+from ptl.world.optimum import optimum
+from studies.multiverse.design import EVERY, Point, drawings_of, measures_of, parameters_of
 
 STREAM = "multiverse"
 """First name of every random stream of the study, followed by the setting's."""
@@ -44,7 +45,10 @@ def worlds_of(point: Point, worlds: Mapping[str, GridWorld], environments: list[
         If a change makes no map.
     """
     drawings = drawings_of(point.changes)
-    return {name: changed_world(worlds[point.maps.get(name, name)], drawings.get(name, {})) for name in environments}
+    every = drawings.get(EVERY, {})
+    return {
+        name: changed_world(worlds[point.maps.get(name, name)], every | drawings.get(name, {})) for name in environments
+    }
 
 
 def learn_point(
@@ -122,7 +126,7 @@ def measured(lives: Mapping[str, np.ndarray], world: GridWorld, letters: str, ru
             steps=lives["steps"][:, place],
             base=None,
             truncated=lives["truncated"][:, place],
-            shortest_path=world.shortest_path_length(world.start, world.goal(letter)),
+            optimum=optimum(world, world.goal(letter)),
             window=rule.window,
             threshold_factor=rule.threshold_factor,
         )

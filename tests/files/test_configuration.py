@@ -6,6 +6,7 @@ import copy
 import json
 import math
 import os
+from datetime import date
 from typing import Any, get_args, get_origin
 
 import msgspec
@@ -244,12 +245,31 @@ def test_values_that_are_read_as_they_are_written_pass(tmp_path):
     [
         ("learning.alpha", "5e-2", 0.05), ("learning.alpha", "0,05", 0.05), ("learning.alpha", "1", 1),
         ("learning.episodes", "1e3", 1000), ("learning.episodes", "1,000", 1000), ("learning.episodes", "09", 9),
-        ("learning.episodes", "0o17", 15), ("learning.episodes", 20.0, 20), ("run", 2024, "2024"),
-        ("run", True, "true"), ("learning.max_steps", "1.0e6", 1000000),
+        ("learning.episodes", "0o17", 15), ("learning.episodes", 20.0, 20),
+        ("learning.max_steps", "1.0e6", 1000000),
     ],
 )  # fmt: skip
 def test_the_value_that_was_probably_meant_is_named(path, value, meant):
     assert refusal(changed(path, value)).endswith(f" (perhaps {meant!r} was meant)")
+
+
+@pytest.mark.parametrize("value", [2024, True, date(2024, 5, 1)], ids=repr)
+def test_a_text_that_needs_quotes_is_named(value):
+    assert refusal(changed("run", value)).endswith("(a text that looks like something else needs quotes)")
+
+
+@pytest.mark.parametrize(
+    ("value", "says"),
+    [
+        (None, "has no value; give a number"),
+        (True, "true is not allowed"),
+        (math.inf, ".inf is not allowed"),
+        ([None, {"a": math.nan}], "[null, {'a': .nan}] is not allowed"),
+    ],
+    ids=repr,
+)
+def test_values_are_shown_as_they_are_written(value, says):
+    assert f"learning.alpha: {says}" in refusal(changed("learning.alpha", value))
 
 
 @pytest.mark.parametrize("value", ["many", "2e9", "inf", "1.5", True, None, -3])

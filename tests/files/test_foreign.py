@@ -110,7 +110,7 @@ def test_an_episode_that_was_cut_off_too_early_is_refused(tmp_path, steps):
         ({"task": "C"}, "line 2: task 'C' is not allowed; give one of A, B"),
         ({"task": ""}, "line 2: task '' is not allowed; give one of A, B"),
         ({"seed": 2}, "method walker: has 3 seeds (0, 1, 2), and the run has 2; give as many"),
-        ({"seed": " "}, "line 2: seed ' ' is not allowed; give a number or a name"),
+        ({"seed": " "}, "line 2: seed '' is not allowed; give a number or a name"),
         ({"episode": 0}, "line 2: episode '0' is not allowed; give a whole number from 1 to 3"),
         ({"steps": 5}, "line 2: steps '5' is not allowed (task A of rooms); give at least the shortest path, 8"),
         *[({"steps": value}, f"line 2: steps '{value}' is not allowed (task A of rooms); give a whole number from 1 to"
@@ -146,7 +146,7 @@ def test_a_missing_task_or_method_is_named(tmp_path):
         (b"environment,method,task,seed,episode,steps\na,b,c,1,1,1,1\n", "cannot be read as CSV (Error tokenizing data."
          " C error: Expected 6 fields in line 2, saw 7); correct it there"),
         (b'environment,method,task,seed,episode,steps\n"a', "cannot be read as CSV (Error tokenizing data. C"),
-        (b"environment,method,task,seed,episode,steps\n\xff,b,c,1,1,1\n", "cannot be read as CSV ('utf-8' codec can't"),
+        (b"environment,method,task,seed,episode,steps\n\xff,b,c,1,1,1\n", "byte 44 is not UTF-8 text; save it"),
     ],
 )  # fmt: skip
 def test_what_is_no_such_table_is_refused(tmp_path, content, message):

@@ -56,7 +56,7 @@ def test_bad_values_are_refused_by_name(group, key, value):
                                   lambda: Parameters(subgoals=None)])  # fmt: skip
 def test_a_group_is_a_group(make):
     with pytest.raises(
-        UserError, match=r"is not allowed; give (Learning|Subgoals)\(\.\.\.\), or dictionaries to from_dict"
+        UserError, match=r"(not allowed|no value); give (Learning|Subgoals)\(\.\.\.\), or dictionaries to from_dict"
     ):
         make()
 

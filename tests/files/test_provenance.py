@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import ast
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -164,6 +166,12 @@ def test_stale_build_is_refused(package):
     (package / "agent/_kernel.pyx").write_text("# other sources\n")
     with pytest.raises(UserError, match=r"ptl\.agent\._kernel was built from other sources .* 'make build'"):
         provenance.check_build()
+
+
+@pytest.mark.parametrize("starts", [["-m", "ptl", "--help"], ["-c", "import ptl.cli.forks"]], ids=["ptl", "Snakefile"])
+def test_a_checkout_that_is_not_built_says_so_in_one_line(package, starts):
+    done = subprocess.run([sys.executable, *starts], cwd=package.parent, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (1, "error: ptl is not built; run 'make build'\n")
 
 
 def test_the_workflow_of_another_checkout_is_refused(tmp_path):

@@ -52,7 +52,7 @@ def written(path: Path, text: str) -> Path:
     "text",
     [
         HEADER + "r,l,t\n1.0,40,0.5\n0.0,33,0.9\n",
-        HEADER + "r,l,t,is_success\n1.0,40,0.5,True\n0.0,33,0.9,False\n",
+        HEADER + "r,l,t,is_success,a.b\n1.0,40,0.5,True,1\n0.0,33,0.9,False,2\n",
         HEADER.replace("#", "# ") + "r,l,t\r\n1.0,40,0.5\r\n0.0,33,0.9\r\n",
         "r,l,t\n1.0,40,0.5\n0.0,33,0.9\n",
         "1.0,40,0.5\n0.0,33,0.9\n",
@@ -76,6 +76,31 @@ def test_monitor_files_are_read_whatever_became_of_their_header(tmp_path, text):
 def test_a_line_that_is_no_episode_is_refused_unless_it_is_the_last(tmp_path):
     path = written(tmp_path / "monitor.csv", "r,l,t\n1.0,40,0.5\n1.0,x,0.6\n1.0,33,0.9\n")
     assert refusal(path).endswith("line 3: '1.0,x,0.6' is no episode; give reward, length, time")
+
+
+def test_monitor_files_may_say_which_episodes_were_cut_off(tmp_path):
+    text = HEADER + 'r,l,t,"TimeLimit.truncated"\n1.0,40,0.5,False\n0.0,50,0.9,True\n'
+    assert imported(written(tmp_path / "monitor.csv", text)).table["truncated"].tolist() == [0, 1]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "evaluation/episode_len_mean,episode_len_mean,training_iteration\n99,40,1\n98,33.2,2\n",
+        "evaluation/episode_len_mean,episode_len_mean,training_iteration\n,40,1\n98,33.2,2\n",
+        "env_runners/episode_len_mean,evaluation/env_runners/episode_len_mean\n,7\n40,99\nnan,98\n33.2,97\n",
+        'episodes_this_iter,sampler_results/hist_stats/episode_lengths\n1,"[9, 40]"\n1,"[9, 40, 33]"\n',
+        "rollout/ep_len_mean,eval/mean_ep_length\n40,99\n33.2,98\n",
+        '"Step","a - rollout/ep_len_mean"\n"1","40"\n"2","33.2"\n',
+    ],
+)
+def test_lengths_are_those_of_learning_whatever_stands_beside_them(tmp_path, text):
+    assert steps(imported(written(tmp_path / "x.csv", text))) == [[40, 33]]
+
+
+def test_means_that_are_no_numbers_are_refused(tmp_path):
+    path = written(tmp_path / "progress.csv", 'episode_len_mean,training_iteration\n40.5,1\n"33,2",2\n')
+    assert "episode_len_mean '33,2' is not a number with a decimal point" in refusal(path)
 
 
 def test_each_folder_with_a_monitor_file_is_a_seed(tmp_path):
@@ -160,6 +185,35 @@ def test_tables_with_other_names_numbers_and_separators(tmp_path):
     )
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "sep=;\r\nseed;episode;steps\r\n0;1;40,0\r\n0;2;33\r\n",
+        "Seed, Episode, Steps\n 0, 1, 40\n 0, 2, 33\n",
+        "Seed\tEpisode\tTotal_Steps\n0\t1\t40\n0\t2\t73\n",
+    ],
+)
+def test_tables_as_spreadsheets_and_people_write_them(tmp_path, text):
+    result = imported(written(tmp_path / "t.csv", text))
+    assert steps(result) == [[40, 33]] and not any("numbered" in note for note in result.notes)
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("seed;episode;steps\n0;1;40\n0;2;1.000\n", "row 2: steps '1.000' is not allowed"),
+        ('seed,episode,steps\n0,1,"1,000"\n', "row 1: steps '1,000' is not allowed"),
+        ("seed,episode,steps\n0,1,40,5\n0,2,33,0\n", "Expected 3 fields in line 2, saw 4"),
+        ("seed,episode,steps,steps\n0,1,40,5\n", "has two columns steps; rename one of them"),
+        ("<!DOCTYPE html><html>404</html>\n", "is HTML or XML; give a CSV table"),
+        ('{"a": 1}\n', "is JSON; give a CSV table"),
+        ("Episode,Length\n1,40\n", "has no column of steps among episode, Length; give"),
+    ],
+)
+def test_tables_that_would_be_misread_are_refused(tmp_path, text, says):
+    assert says in refusal(written(tmp_path / "t.csv", text))
+
+
 def test_numbers_as_numpy_shows_them(tmp_path):
     path = written(tmp_path / "t.csv", "seed,episode,steps\n0,1,np.int64(40)\n0,2,33.0\n")
     assert steps(imported(path)) == [[40, 33]]
@@ -211,6 +265,8 @@ def test_what_cannot_be_read_is_named(tmp_path):
     events = written(tmp_path / "empty/events.out.tfevents.1", "")
     assert "event files of TensorBoard; export a scalar as CSV" in refusal(tmp_path / "empty")
     events.write_bytes(b"\xff\xfe")
+    (tmp_path / "latin.csv").write_bytes(b"seed,steps\nag\xe9nt,1\n")
+    assert refusal(tmp_path / "latin.csv").endswith("byte 14 is not UTF-8 text; save it as UTF-8")
     assert refusal(events).endswith("is an event file of TensorBoard; export a scalar as CSV")
     assert "cannot be read (No such file" in refusal(tmp_path / "none.csv")
     assert refusal(written(tmp_path / "monitor.csv", HEADER + "r,l,t\n")).endswith("let it run longer")

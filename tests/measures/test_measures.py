@@ -26,10 +26,10 @@ CORRIDOR = GridWorld.from_text("I...A\n#.###\n#B.C#\n", "tiny")
 STEPS = arrays.arrays(np.int64, (3, 12), elements=st.integers(1, 1000))
 
 
-def curves(steps, base=None, shortest_path=4, window=2, factor=1.5):
+def curves(steps, base=None, optimum=4, window=2, factor=1.5):
     steps = np.asarray(steps)
     return Curves(
-        steps=steps, base=base, truncated=np.zeros(len(steps), dtype=int), shortest_path=shortest_path, window=window,
+        steps=steps, base=base, truncated=np.zeros(len(steps), dtype=int), optimum=optimum, window=window,
         threshold_factor=factor,
     )  # fmt: skip
 
@@ -60,7 +60,7 @@ def test_threshold_episode_counts_the_episode_that_completes_the_window():
 
 
 def test_threshold_is_reached_by_exactly_the_threshold_and_not_above_it():
-    found = measures.threshold_episode(curves([[15] * 10, [15] * 9 + [16]], shortest_path=10, window=10))
+    found = measures.threshold_episode(curves([[15] * 10, [15] * 9 + [16]], optimum=10, window=10))
     assert found[0] == 10
     assert np.isnan(found[1])
 
@@ -71,7 +71,7 @@ def test_threshold_episode_against_a_plain_loop(steps, window, shortest):
     for row in steps:
         ends = [e for e in range(window, len(row) + 1) if np.mean(row[e - window : e]) <= 1.5 * shortest]
         expected.append(ends[0] if ends else np.nan)
-    found = measures.threshold_episode(curves(steps, shortest_path=shortest, window=window))
+    found = measures.threshold_episode(curves(steps, optimum=shortest, window=window))
     np.testing.assert_array_equal(found, expected)
 
 
@@ -135,6 +135,14 @@ def runs(method, *steps, task="A", first_seed=0, kept=None):
 
 def measured(*all_runs):
     return measures.measure(all_runs, {"tiny": CORRIDOR}, 2, 1.5)
+
+
+@pytest.mark.parametrize(("slip", "reached"), [(0.0, False), (0.2, True)])
+def test_threshold_is_a_multiple_of_the_least_expected_steps(slip, reached):
+    # One step that slips has its direction with probability 1 - 3/4 slip, so it takes 1.18 steps on average.
+    world = GridWorld.from_text("IA\n", "tiny", slip)
+    frame = measures.measure([runs("ptl", [2, 1, 2, 1, 2])], {"tiny": world}, 5, 1.5).per_seed
+    assert frame["threshold_episode"].notna().tolist() == [reached]
 
 
 NOTHING = SubgoalRow(-1, 0.0, 0.0, "no rest", -1, -1)

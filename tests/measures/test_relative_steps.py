@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from ptl.measures.relative_steps import COLUMNS, relative_steps, saved_percent
+from ptl.measures.relative_steps import COLUMNS, relative_steps, saved_percent, saved_text
 from ptl.measures.statistics import Resampling
 
 HOW = Resampling(0.95, 500)
@@ -82,3 +82,15 @@ def test_few_runs_have_no_interval():
 
 def test_saved_percent_turns_the_interval_round():
     assert saved_percent({"ratio": 0.25, "low": 0.2, "high": 1.5}) == pytest.approx((75, -50, 80))
+
+
+@pytest.mark.parametrize(
+    ("row", "says"),
+    [
+        ((0.25, 0.2, 0.3), "75% [70, 80]"),
+        ((1.003, 0.95, 1.06), "0% [−6, 5]"),
+        ((11.51, 11.0, 12.1), "11.5 [11, 12.1] times as many"),
+    ],
+)
+def test_more_than_twice_the_steps_are_no_share_saved(row, says):
+    assert saved_text(dict(zip(("ratio", "low", "high"), row, strict=True))) == says

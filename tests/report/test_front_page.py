@@ -21,7 +21,7 @@ STEPS = pd.DataFrame(
         {"environment": "env1", "tasks": tasks, "method": method, "ratio": ratio, "low": ratio - 0.1,
          "high": ratio + 0.1}
         for tasks, ptl in (("EF", 0.4), ("E", 0.7), ("F", 0.1))
-        for method, ratio in [("ptl", ptl), ("full_transfer", 1.4)]
+        for method, ratio in [("ptl", ptl), ("full_transfer", 1.4), ("policy_reuse", 11.5)]
     ]
 )  # fmt: skip
 LABELS = {"no_transfer": "No transfer", "ptl": "PTL", "full_transfer": "Full transfer"}
@@ -50,7 +50,8 @@ def test_front_page_shows_all_tasks_together_before_the_last_and_no_base():
     assert "60% [50, 70]" in text and "90% [80, 100]" in text and "−40% [−50, −30]" in text
     assert "30% [20, 40]" not in text
     assert "* - No transfer" not in text
-    assert "not in this run" in page(labels={**LABELS, "policy_reuse": "Policy reuse"})
+    assert "11.5 [11.4, 11.6] times as many" in page(labels={**LABELS, "policy_reuse": "Policy reuse"})
+    assert "not in this run" in page(labels={**LABELS, "other": "Another"})
 
 
 def test_a_single_task_with_transfer_is_shown_once():
@@ -93,6 +94,9 @@ def test_the_page_shows_claims_figures_and_tables_and_escapes_names():
     assert places == sorted(places), "claims are in the order of the classes"
     assert "<b>under some readings</b>: on task F" in html
     assert all(CLASSES[name] in html for name in CLAIMS["class"])
+    assert "Undecided are" not in html
+    claims = CLAIMS.assign(**{"class": "undecided"})
+    assert "these runs are too few to decide" in compose_page(**{**arguments, "claims": claims}, tables={})
     neutral = compose_page(**{**arguments, "claims": None}, tables={})
     body = neutral.partition("<body>")[2]
     assert "article" not in body and "laim" not in body and "<h1>lab</h1>" in body

@@ -174,9 +174,29 @@ def test_a_second_run_is_refused_while_the_first_goes_on_and_not_after_it_was_ki
     finally:
         os.killpg(run.pid, signal.SIGKILL)
         run.wait()
-    # Of two starters after a kill one runs and the other is refused.
-    starters = [start(project, "learning") for _ in range(2)]
-    assert sorted(starter.wait(120) for starter in starters) == [0, 1]
+    finish(project, "learning")
+
+
+def test_of_runs_that_begin_at_once_one_goes_on_and_the_others_are_refused(tmp_path):
+    begin = (
+        "import os; from ptl.files import lock; lock.ENDING = 0.5; told = os.dup(0)"
+        "; lock.begin_run(); os.read(told, 1)"  # until it is told to end: the lock takes the standard input
+    )
+    runs = [
+        subprocess.Popen(
+            [sys.executable, "-c", begin], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(ROOT)}, text=True,
+            stdin=subprocess.PIPE, stderr=subprocess.PIPE,
+        )
+        for _ in range(4)
+    ]  # fmt: skip
+    deadline = time.monotonic() + 60
+    while sum(run.poll() is None for run in runs) > 1 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    (first,) = (run for run in runs if run.poll() is None)
+    for run in runs:
+        says = run.communicate("\n")[1]
+        assert run.returncode == int(run is not first)
+        assert run is first or f"error: snakemake is running in this folder (process {first.pid} on " in says
 
 
 def test_jobs_left_behind_by_a_killed_run_are_waited_for(tmp_path):

@@ -13,10 +13,11 @@ from typing import NamedTuple
 
 import psutil
 import pytest
-from projects import ROOMS, ROOT
+from projects import ROOMS, ROOT, imports_of_a_fork
 
 from ptl.cli.forks import client
 from ptl.config import Parameters
+from ptl.errors import INTERRUPTED
 from ptl.jobs import Grow
 from ptl.world.gridworld import map_digest
 
@@ -96,16 +97,9 @@ def test_a_fork_does_the_same_as_a_process_of_its_own(host, folder, arguments):
     assert outcomes[0] == outcomes[1]
 
 
-def test_the_server_has_imported_what_a_job_imports(host, folder):
-    """A job finds numpy and h5py in the memory of the server, and adds no library to it."""
-    done = called(folder, "-X", "importtime", "-m", "ptl", "run", "--job", grow(1), "--map", "rooms=rooms.txt",
-                  "--output", "made.h5")  # fmt: skip
-    printed = done.communicate()[1].splitlines()
-    imported = {name for line in printed if (name := line.rpartition("|")[2].strip()).startswith(("ptl", "h5py"))}
-    serve = "import socket, sys; from ptl.cli.forks.__main__ import serve; serve(socket.socket()); print(*sys.modules)"
-    known = set(called(folder, "-c", serve).communicate()[0].split())
-    assert {"h5py", "ptl.learning.life"} <= imported
-    assert imported - {"ptl.__main__"} <= known
+def test_the_server_has_imported_what_a_job_imports(folder):
+    """A job finds numpy and h5py in the memory of the server."""
+    assert imports_of_a_fork(folder, grow(1), maps=("--map=rooms=rooms.txt",)) == set()
 
 
 def test_the_server_ends_with_the_process_that_started_it(host):
@@ -115,12 +109,27 @@ def test_the_server_ends_with_the_process_that_started_it(host):
     assert not server.is_running()
 
 
-def test_a_job_whose_fork_is_killed_fails(host, folder):
+def long_job(host: Host, folder: Path) -> tuple[subprocess.Popen[str], psutil.Process]:
+    """Start a job that does not end, and return its client and its fork."""
     job = forked(host, folder, "run", "--job", grow(100_000), "--map", "rooms=rooms.txt", "--output", "made.h5")
     deadline = time.monotonic() + 20
     while not (forks := server_of(host).children()) and time.monotonic() < deadline:
         time.sleep(0.02)
-    forks[0].kill()
+    return job, forks[0]
+
+
+def test_an_interrupted_job_says_so_in_one_line(host, folder):
+    job, fork = long_job(host, folder)
+    time.sleep(0.5)  # until it learns
+    for process in (job, fork):  # a terminal sends the signal to both
+        process.send_signal(signal.SIGINT)
+    assert job.communicate()[1] == f"error: {INTERRUPTED}\n"
+    assert not (folder / "made.h5").exists()
+
+
+def test_a_job_whose_fork_is_killed_fails(host, folder):
+    job, fork = long_job(host, folder)
+    fork.kill()
     assert job.communicate()[1] == "error: the process of the job was killed\n"
     assert job.returncode == 1
 

@@ -163,7 +163,7 @@ def test_parameters_take_keys_of_their_groups():
     [
         ({"alpha": 7}, "configuration key learning.alpha: 7 is not allowed; give a number > 0 and <= 1"),
         ({"alhpa": 0.1}, "configuration key alhpa: unknown; known are learning (episodes, alpha, gamma, epsilon"),
-        ({"learning": None, "alpha": 0.1}, "configuration key learning: None is not allowed; give Learning(...)"),
+        ({"learning": None, "alpha": 0.1}, "configuration key learning: has no value; give Learning(...)"),
     ],
 )
 def test_parameters_name_the_group_of_a_wrong_key(keys, says):

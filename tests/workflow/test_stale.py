@@ -190,6 +190,21 @@ def test_older_results_of_other_programs_are_read_anew(run: Project) -> None:
     assert table["total_steps"].tolist() == [500 * 20] * 4
 
 
+def test_results_of_other_programs_that_change_during_the_run_are_refused(run: Project) -> None:
+    changing = f"""
+    def end_task(self, learner):
+        if self.world.n_states > 12:  # not in the trial before the run
+            from pathlib import Path
+            Path("theirs.csv").write_text({theirs(60)!r})
+"""
+    put(run.folder / "mine.py", MINE + changing)
+    [line] = errors_of(run.snakemake())[:1]
+    assert line == "error: theirs.csv: was changed during the run; run the same command again"
+    run.make()
+    table = pd.read_csv(run.folder / "reports/tiny/tables/per_seed.csv").query("method == 'theirs'")
+    assert table["total_steps"].tolist() == [60 * 20] * 4
+
+
 def test_a_method_that_leaves_the_run_leaves_every_product(run: Project) -> None:
     run.configure({**OWN, "methods": ["no_transfer", "ptl", "mine.py"]})
     forget(run)

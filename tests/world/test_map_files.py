@@ -120,6 +120,7 @@ def test_moving_ai_maps_are_read(tmp_path, header, ends):
         ("map\n", "", "line 4: '@@@@@@@' is not allowed there; a Moving AI map begins"),
         ("height 5\n", "", "height is missing"),
         ("height 5", "height five", "height 'five' is not allowed"),
+        ("type octile", "# my yard\ntype octile", "line 1: '# my yard' is not allowed there"),
         ("height 5", "height 5\nheight 5", "line 3: 'height 5' is not allowed there"),
         ("height 5", f"height {MAX_CELLS}", f"the map has {7 * MAX_CELLS} cells, more than {MAX_CELLS}"),
         ("\n", "\r", "its lines end in CR alone"),
@@ -192,6 +193,13 @@ def test_plain_images_with_comments_are_read(tmp_path):
     assert walls(load_map(tmp_path / "office.yaml")) == ROOM
 
 
+def test_an_image_with_the_line_ends_of_windows_in_its_header_is_read(tmp_path):
+    path = office(tmp_path, PIXELS)
+    content = (tmp_path / "office.pgm").read_bytes()
+    written(tmp_path, "office.pgm", content.replace(b"\n", b"\r\n"))
+    assert walls(load_map(path)) == ROOM
+
+
 def test_negated_images_and_other_thresholds(tmp_path):
     negated = [[255 - value for value in row] for row in PIXELS]
     path = office(tmp_path, negated, settings=YAML.replace("negate: 0", "negate: 1"))
@@ -221,6 +229,7 @@ def test_pixels_are_merged_to_cells_that_are_free_if_all_are(tmp_path):
         ("free_thresh: 0.25", "free_thresh: 0.7", "free_thresh 0.7 exceeds occupied_thresh 0.65"),
         ("negate: 0", "negate: 0\nmode: raw", "mode 'raw' is not read"),
         ("negate: 0", "negate: [", "is not YAML"),
+        ("free_thresh: 0.25", "free_thresh:", "free_thresh without a value is not allowed; give a number"),
     ],
 )
 def test_settings_of_an_image_that_make_no_map_are_refused(tmp_path, old, new, says):
@@ -234,7 +243,8 @@ def test_settings_of_an_image_that_make_no_map_are_refused(tmp_path, old, new, s
         (b"P2\n2 2\n255\n0 0 0", "width 2 and height 2 make 4 pixels, but there are 3"),
         (b"P2\n2 2\n255\n0 0 0 0 0", "make 4 pixels, but there are 5"),
         (b"P2\n2 2\n255\n0 0 x 0", "something else than numbers among its pixels"),
-        (b"P5\n2 2\n9\n\0\0\x0a\0", "pixel 10 exceeds the image's maximum 9"),
+        (b"P5\n2 2\n9\n\0\0\x0a\0", "pixel 10 is not from 0 to the image's maximum 9"),
+        (b"P2\n2 2\n9\n0 -1 0 0", "pixel -1 is not from 0 to the image's maximum 9"),
         (b"P5\n2 x\n255\n", "has no height where the header"),
         (b"P5\n2 2\n70000\n", "maximum 70000 is not allowed"),
         (b"P5\n99999 99999\n255\n", "has 99999 x 99999 pixels, more than"),
@@ -264,8 +274,10 @@ def test_the_largest_images_and_maps_are_read_quickly(tmp_path):
         ("SFFF\nFHFH\nFFFH\nHFFG\n", "I...\n.#.#\n...#\n#..A\n"),
         ("11111\n1r0g1\n1c001\n11111\n", "#####\n#I.A#\n#B..#\n#####\n"),
         ("1 1 1\n1 R 0\n1 G 1\n", "###\n#I.\n#A#\n"),
+        ("[[1, 1, 1],\n [1, R, 0],\n [1, 'g', 1]]\n", "###\n#I.\n#A#\n"),
+        ('["SFF", "FHF",\n "FFG"]\n', "I..\n.#.\n..A\n"),
     ],
-    ids=["labmaze", "FrozenLake", "PointMaze", "PointMaze with blanks"],
+    ids=["labmaze", "FrozenLake", "PointMaze", "PointMaze with blanks", "PointMaze as a list", "FrozenLake as a list"],
 )
 def test_mazes_of_other_environments_are_read(tmp_path, text, letters):
     world, notes = read_map(written(tmp_path, "maze.txt", text))
@@ -301,7 +313,7 @@ def test_of_many_starts_the_first_counts_and_is_named(tmp_path):
         (b"\xff\xd8\xff\xe0", "is a JPEG image"),
         (b"P6\n1 1\n255\nabc", "is a PPM image"),
         (b'{"width": 3, "layers": []}', "is JSON; maps are"),
-        (b"[[1, 0], [0, 1]]", "is JSON"),
+        (b"[1, 0]", "is JSON"),
         (b'<?xml version="1.0"?>\n<!-- a -->\n<map version="1.10">\n</map>', "is a TMX map (Tiled)"),
         (b"<sdf version='1.7'></sdf>", "is XML with the root sdf"),
         (b"version 1\n0\ta.map\t1\t1\t0\t0\t0\t0\t0\n", "is a Moving AI scenario"),

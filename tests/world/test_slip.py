@@ -21,6 +21,7 @@ from ptl.learning._survey import Survey, subgoals_from
 from ptl.learning.life import learn_life
 from ptl.learning.survey import subgoal_frequencies
 from ptl.measures.exact import first_episode_without_transfer
+from ptl.world.drawing import changed_world
 from ptl.world.gridworld import GridWorld
 from ptl.world.map_files import load_map, read_map
 from ptl.world.optimum import optimal_steps, steps_of_policy
@@ -62,6 +63,8 @@ def test_a_world_carries_its_slip(tmp_path):
     assert (slippery.slip, slippery.text, ROOMS.slip) == (0.2, ROOMS.text, 0.0)
     assert slippery.with_slip(0.2) is slippery and "slip 0.2" in repr(slippery)
     assert GridWorld.from_text(ROOMS.text, slip=1).slip == 1.0
+    assert changed_world(slippery, {"start": (1, 2)}).slip == changed_world(slippery, {"chain": {}}).slip == 0.2
+    assert changed_world(slippery, {"slip": 0.3}).slip == 0.3
 
 
 @pytest.mark.parametrize("slip", [-0.1, 1.1, np.nan])

@@ -20,11 +20,12 @@ from ptl.cli.forks import client
 _servers: list[subprocess.Popen[bytes]] = []
 
 
-def start_server() -> str:
+def start_server(*modules: str) -> str:
     """Start the server of a run and return its name; empty if jobs start on their own, as they do outside of Linux.
 
-    The server ends with this process. It listens on a socket without a file, which only Linux has; elsewhere forks of a
-    process that has imported numpy may also crash.
+    The server imports ``modules`` once for all jobs of a study, beside what those of the package need. It ends with
+    this process. It listens on a socket without a file, which only Linux has; elsewhere forks of a process that has
+    imported numpy may also crash.
     """
     if sys.platform != "linux":
         return ""
@@ -33,7 +34,7 @@ def start_server() -> str:
         listener.bind(f"\0{name}")
         listener.listen(socket.SOMAXCONN)
         server = subprocess.Popen(
-            [sys.executable, "-m", "ptl.cli.forks", str(listener.fileno())],
+            [sys.executable, "-m", "ptl.cli.forks", str(listener.fileno()), *modules],
             stdin=subprocess.PIPE,  # closed when this process ends, however it ends
             stdout=subprocess.DEVNULL,
             pass_fds=[listener.fileno()],

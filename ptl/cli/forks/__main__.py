@@ -1,4 +1,4 @@
-"""The server of `ptl.cli.forks`; its argument is the number of the socket that it listens on."""
+"""The server of `ptl.cli.forks`; its arguments are the number of the socket that it listens on and what to import."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import struct
 import sys
 import traceback
 from contextlib import suppress
+from importlib import import_module
 from typing import NoReturn
 
 from ptl import methods
@@ -20,10 +21,12 @@ from ptl.jobs import kinds  # noqa: F401
 from ptl.world import map_files  # noqa: F401
 
 
-def serve(listener: socket.socket) -> None:
+def serve(listener: socket.socket, *modules: str) -> None:
     """Fork a job for each connection, until the standard input is closed: the run has ended."""
     for name in methods.names():
         methods.load(name)
+    for module in modules:
+        import_module(module)
     gc.freeze()  # collections in a job would copy the memory that it shares with this process
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # a job tells its client how it ended; nobody waits for it here
@@ -79,4 +82,4 @@ def exit_status() -> int:
 
 
 if __name__ == "__main__":
-    serve(socket.socket(fileno=int(sys.argv[1])))
+    serve(socket.socket(fileno=int(sys.argv[1])), *sys.argv[2:])

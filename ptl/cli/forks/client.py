@@ -9,8 +9,10 @@ def main() -> None:
 
     If the server does not answer, because it was killed, this process becomes ``python -m ptl``.
     """
-    from _socket import AF_UNIX, SCM_RIGHTS, SHUT_WR, SOL_SOCKET, socket  # `socket` takes as long again to import
+    from _signal import SIG_DFL, SIGINT, signal  # the modules without underscore take as long again to import
+    from _socket import AF_UNIX, SCM_RIGHTS, SHUT_WR, SOL_SOCKET, socket
 
+    signal(SIGINT, SIG_DFL)  # the job itself says that it was interrupted
     server, *arguments = sys.argv[1:]
     connection = socket(AF_UNIX)
     try:

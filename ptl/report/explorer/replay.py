@@ -108,7 +108,7 @@ class _Watched(BaseMethod):
         self.notes = Notes(informed=initial_q is not None)
         return initial_q
 
-    def run_episode(self, learner: Learner) -> list[int]:
+    def run_episode(self, learner: Learner) -> list[int] | None:
         chances = probabilities(self.method)
         if chances is not None:
             self.notes.chances.append(chances)

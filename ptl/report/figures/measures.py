@@ -12,6 +12,7 @@ from ptl.measures.measures import Steps
 from ptl.report.figures import style
 from ptl.report.figures.bands import mean_band
 from ptl.text import number, percent
+from ptl.world.optimum import optimum
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,11 +41,11 @@ def make(script: Script) -> tuple[Figure, pd.DataFrame]:
     """Draw the measures on the last task of the environment, with the first method as the base."""
     [(name, world)] = script.worlds.items()
     task, settings = script.last_tasks[name], script.groups.measures
-    shortest = world.shortest_path_length(world.start, world.goal(task))
+    best = optimum(world, world.goal(task))
     from ptl.measures.run_files import read_steps  # here, so that curves of any runs can be drawn without files
 
     steps = read_steps(script.input.steps)
-    given = (shortest, settings.window, settings.threshold_factor, script.groups.statistics)
+    given = (best, settings.window, settings.threshold_factor, script.groups.statistics)
     frame = measures(steps, name, task, script.methods, *given)
     return draw(frame, f"{script.titles[name]}, task {task}"), frame
 
@@ -54,7 +55,7 @@ def measures(
     environment: str,
     task: str,
     methods: Sequence[str],
-    shortest_path: int,
+    best: float,
     window: int,
     threshold_factor: float,
     statistics: Statistics,
@@ -72,7 +73,7 @@ def measures(
         the same in all rows of a method, jump_start, asymptotic, threshold (steps), threshold_episode (empty:
         not reached), steps_saved, transfer_ratio, window and seeds.
     """
-    threshold = threshold_factor * shortest_path
+    threshold = threshold_factor * best
     runs = {method: steps[environment, method, task] for method in methods}
     curves = {method: values.mean(axis=0) for method, values in runs.items()}
     base = curves[methods[0]]

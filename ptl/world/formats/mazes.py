@@ -60,6 +60,16 @@ def _fits_own(letters: Counter[str]) -> bool:
     return letters.keys() <= CAPITALS.union("#.") and all(letters[letter] < 2 for letter in CAPITALS)
 
 
+def unlisted(text: str) -> str:
+    """Return the rows of a text that lists them as programs do (``["SF", "FG"]``, ``[[1, "r"], [0, G]]``) as lines."""
+    rows = re.findall(r"\[([^\[\]]*)\]", text)
+    if len(rows) == 1:
+        rows = re.findall(r"[\"']([^\"'\n]*)[\"']", rows[0])
+    if not rows or not text.lstrip().startswith("[") or "{" in text:
+        return text
+    return "".join(re.sub(r"[\s,\"']", "", row) + "\n" for row in rows)
+
+
 def candidates(text: str) -> list[str]:
     """Return the kinds of texts whose letters a text has; "text" is this package's."""
     letters = Counter(text.replace("\\", "\n"))

@@ -16,7 +16,7 @@ import numpy as np
 from ptl.errors import UserError
 from ptl.world.formats import Cell, Drawing, shown
 
-HEADER = re.compile(r"\s*(type|height|width)[ \t]+\S", re.IGNORECASE)
+HEADER = re.compile(r"^[ \t]*(type|height|width)[ \t]+\S", re.IGNORECASE | re.MULTILINE)
 SCENARIO = re.compile(r"\s*version[ \t]+[0-9.]+\s*\n", re.IGNORECASE)
 WALKED_ON, WALLS = ".GS", "WT@O"
 PAIRS = 6

@@ -50,7 +50,7 @@ def read(image: bytes, settings: Mapping[str, Any] | None, name: str, *, cell: f
             " correct one of them"
         )
     if given["mode"] not in ("trinary", "scale"):
-        raise UserError(f"{name}: mode {given['mode']!r:.60} is not read; give trinary or scale")
+        raise UserError(f"{name}: mode {_shown(given['mode'])} is not read; give trinary or scale")
     negate = _number(given["negate"], "negate", name, "0 or 1", lambda x: x in (0, 1))
     values, maximum = read_pgm(image, name)
     occupancy = values / maximum if negate else 1 - values / maximum
@@ -101,7 +101,9 @@ def read_pgm(content: bytes, name: str) -> tuple[np.ndarray, int]:
                 raise UserError(f"{name}: has something else than numbers among its pixels; save it again") from None
     else:
         kind = np.dtype(np.uint8 if maximum < 256 else ">u2")
-        raster = content[place + 1 :]  # one white space ends the header
+        least = place + 2 + width * height * kind.itemsize
+        ends = 2 if content[place : place + 2] == b"\r\n" and len(content) >= least else 1
+        raster = content[place + ends :]  # one white space ends the header, or one line end
         values = np.frombuffer(raster[: len(raster) // kind.itemsize * kind.itemsize], kind)
     if len(values) < width * height or (content[:2] == b"P2" and len(values) > width * height):
         raise UserError(
@@ -109,8 +111,9 @@ def read_pgm(content: bytes, name: str) -> tuple[np.ndarray, int]:
             " save the image again"
         )
     values = values[: width * height].reshape(height, width)
-    if values.max() > maximum:
-        raise UserError(f"{name}: pixel {values.max()} exceeds the image's maximum {maximum}; save the image again")
+    if values.max() > maximum or values.min() < 0:
+        wrong = values[(values > maximum) | (values < 0)][0]
+        raise UserError(f"{name}: pixel {wrong} is not from 0 to the image's maximum {maximum}; save the image again")
     return values, maximum
 
 
@@ -120,8 +123,12 @@ def _number(value: Any, key: str, name: str, wanted: str, fits: Callable[[float]
     except (TypeError, ValueError):
         number = float("nan")
     if not fits(number) or not np.isfinite(number):
-        raise UserError(f"{name}: {key} {value!r:.60} is not allowed; give {wanted}")
+        raise UserError(f"{name}: {key} {_shown(value)} is not allowed; give {wanted}")
     return number
+
+
+def _shown(value: Any) -> str:
+    return "without a value" if value is None else f"{value!r:.60}"
 
 
 def _pixels_of_a_cell(cell: float, resolution: float | None, name: str) -> int:

@@ -51,7 +51,7 @@ class Method(PartialTransfer):
         self._look(self.after_before)
         return super().begin_task(start, goal)
 
-    def run_episode(self, learner: Learner) -> list[int]:
+    def run_episode(self, learner: Learner) -> list[int] | None:
         self._learner = learner
         return super().run_episode(learner)
 

@@ -10,7 +10,7 @@ from ptl.measures.statistics import Resampling
 from ptl.report.figures import saving
 from ptl.report.script import running
 from ptl.report.table import write
-from studies.beyond import figures, page, summary
+from studies.beyond import figures, lifelong, page, summary
 from studies.beyond.collect import certain, foreign_lives, per_life_harder, read_lives, read_tasks
 from studies.beyond.design import SecondStudy
 from studies.beyond.maps import MAIN
@@ -30,17 +30,16 @@ with running(snakemake) as script:
     generated = [family for family in titles if family not in study.article_maps]
     curves = page.in_figures(looks)
 
-    costs = summary.costs(main, how)
+    means = summary.Means(main, how)
+    costs = summary.costs(means, main)
+    overall = page.overall_ratios(means, generated)
     components = summary.variance_components(main)
     sizes = summary.by_library_size(tasks, how)
     sequences = summary.by_sequence(lives, how)
-    windings = summary.by_winding(main, read_population())
-    trends = summary.winding_trends(windings)
+    hardness = summary.hardness(main, read_population(), page.against_hardness(looks))
     of_tasks = "random" if "random" in study.sequences.names else MAIN
     places = summary.by_task(tasks, of_tasks, how)
     profiles = summary.profiles(main, how)
-    write_csv(trends, folder / "winding_trends.csv")
-    write_csv(sequences, folder / "sequences.csv")
     pictures = {}
 
     def of_costs(*columns):
@@ -55,17 +54,17 @@ with running(snakemake) as script:
     picture(
         "strip",
         figures.strip(costs, looks, titles),
-        of_costs("cost"),
+        of_costs("cost", "ratio", "ratio_low", "ratio_high"),
         "Cost of every method in every family of maps, as numbers",
         "Cost as a multiple of the optimum (1 cannot be beaten), geometric mean over maps and lives; the cheapest"
-        " methods on top, PTL in bold.",
+        " methods on top, PTL in bold. ≈: cannot be told from PTL on the same maps.",
     )
     picture(
         "overview",
         figures.overview(costs, looks, titles),
-        of_costs("cost", "low", "high"),
-        "Cost of every method in each family of maps",
-        "Cost of every method, one panel a family, with intervals.",
+        costs,
+        "Cost of every method in each family of maps as a multiple of PTL’s",
+        "Cost of every method as a multiple of PTL’s on the same maps, one panel a family, with intervals.",
     )
     if len(sizes):
         picture(
@@ -93,59 +92,63 @@ with running(snakemake) as script:
         " Without memory of earlier tasks a curve changes with the tasks’ distance only. Methods without a curve were"
         " not run in this order.",
     )
-    if len(windings):
-        picture(
-            "winding",
-            figures.winding(windings[windings["method"].isin(curves)], curves, titles),
-            windings,
-            "Cost against the winding of the map",
-            "Cost on each map against its winding: the mean over its goals of shortest path ÷ straight line. Spearman’s"
-            " coefficients for each family: winding_trends.csv.",
-        )
 
     def table(name, made, numbers):
         """Write a table and return it."""
         write(made, folder / name, numbers)
         return made
 
-    note = "Bold: least in the column. Brackets: intervals."
     cost_table = table(
         "costs",
         page.wide_table(
             costs, looks, titles, "family", "cost", ("low", "high"), "Cost as a multiple of the optimum",
-            "Geometric mean over maps and lives.", (note,),
+            "Geometric mean over maps and lives.", (page.BOLD, page.NOTE), "least",
         ),
-        of_costs("maps", "seeds", "cost", "low", "high", "library_size"),
+        of_costs("maps", "seeds", "cost", "low", "high", "least", "library_size"),
     )  # fmt: skip
+    ratios = pd.concat([overall, of_costs("ratio", "ratio_low", "ratio_high")], ignore_index=True)
     ratio_table = table(
         "ratios",
         page.wide_table(
-            costs, looks, titles, "family", "ratio", ("ratio_low", "ratio_high"), "Cost as a multiple of PTL’s",
-            "Geometric mean of the ratio on the same maps; below 1 a method is cheaper than PTL.", (note,),
+            ratios, looks, {page.EVERY: "All generated families", **titles}, "family", "ratio",
+            ("ratio_low", "ratio_high"), "Cost as a multiple of PTL’s",
+            "Ratio on the same maps; below 1 a method is cheaper than PTL.", (page.NOTE,),
         ),
-        of_costs("ratio", "ratio_low", "ratio_high"),
+        ratios,
     )  # fmt: skip
     chances = table(
         "improvement",
         page.wide_table(
             costs, looks, titles, "family", "improvement", ("improvement_low", "improvement_high"),
             "Probability of improvement over PTL",
-            "Chance that a life costs less than one under PTL on the same map, ties counting half.", best=False,
+            "Chance that a life costs less than one under PTL on the same map, ties counting half.", (page.NOTE,),
         ),
         of_costs("improvement", "improvement_low", "improvement_high"),
+    )  # fmt: skip
+    of_sequences = [frame for _, frame in sequences.values()]
+    sequence_table = table(
+        "sequences",
+        page.by_group_table(
+            sequences, looks, titles, generated, "Sequences of tasks",
+            "Cost as a multiple of PTL’s on the same maps, by the order in which goals come.",
+        ),
+        pd.concat(of_sequences) if of_sequences else pd.DataFrame(columns=["sequence", *costs.columns]),
     )  # fmt: skip
     spread = {
         "heading": "Across maps, tasks and sequences",
         "text": "How the cost is spread over lives, how it changes over a life, and what it depends on.",
-        "figures": [pictures[name] for name in ("profiles", "tasks", "winding") if name in pictures],
-        "tables": [(table("components", page.component_table(components, looks, titles), components), False)],
+        "figures": [pictures[name] for name in ("profiles", "tasks")],
+        "tables": [
+            (table("components", page.component_table(components, looks, titles), components), False),
+            *([(sequence_table, False)] if sequences else []),
+        ],
     }
     sections = [
         {
             "heading": "Costs",
-            "text": "All methods, each family by itself.",
+            "text": "All methods on the same maps, each family by itself.",
             "figures": [pictures["overview"]],
-            "tables": [(cost_table, True), (ratio_table, False), (chances, False)],
+            "tables": [(ratio_table, False), (cost_table, False), (chances, False)],
         },
         {
             "heading": "Which part does the work",
@@ -161,15 +164,50 @@ with running(snakemake) as script:
             "tables": [(page.knowledge_table(looks), True)],
         },
     ]
-    questions = page.answers(costs, looks, generated, components, titles)
+    questions = page.answers(means, looks, generated)
+    if len(hardness):
+        trends = summary.hardness_trends(hardness, how)
+        picture(
+            "hardness",
+            figures.hardness(hardness, page.MEASURES, looks, titles),
+            hardness,
+            "Cost of some methods on each map against the diameter and the winding of the map",
+            "Cost on each map, geometric mean over lives. Diameter: the longest of all shortest paths between two"
+            " places of the map, in steps. Winding: shortest path from the start to a goal ÷ straight line, mean over"
+            " the goals.",
+        )
+        correlations = table("hardness_trends", page.trends_table(trends, looks), trends)
+        sections.insert(
+            1,
+            {
+                "heading": "Hard maps",
+                "text": "What makes a map hard: how far apart its places are, and how much paths wind.",
+                "figures": [pictures["hardness"]],
+                "tables": [(correlations, False)] if len(trends) else [],
+            },
+        )
+        if len(trends):
+            questions.append(page.hardness_answer(trends, looks))
+    if study.returns:
+        gains = lifelong.measures(tasks, generated, how)
+        sections.insert(
+            1,
+            {
+                "heading": "What a life keeps and gains",
+                "text": lifelong.sentence(gains, looks),
+                "figures": [],
+                "tables": [(table("lifelong", lifelong.table(gains, looks), gains), True)],
+            },
+        )
     if study.is_harder:
         harder = per_life_harder(all_tasks)
         write_csv(harder, folder / "per_life_harder.csv")
-        worlds = summary.harder_costs(harder, main, how)
+        worlds = summary.by_world(harder, main, how)
+        of_worlds = pd.concat([frame for _, frame in worlds.values()])
         picture(
             "slips",
-            figures.slips(worlds, looks, titles),
-            worlds,
+            figures.slips(of_worlds, looks, titles),
+            of_worlds,
             "Cost where steps slip or the map changes between tasks",
             "Cost of some methods where steps slip, as a multiple of the optimum of the same world, and where the map"
             " changes between tasks, which methods are not told. On the maps that all of these worlds share.",
@@ -181,29 +219,34 @@ with running(snakemake) as script:
                 "text": "With probability p a step goes in a random direction. A door changes: the narrowest passage"
                 " closes, if there is one, and another opens if a goal is cut off. Cells change: one in twenty.",
                 "figures": [pictures["slips"]],
-                "tables": [(table("harder", page.harder_table(worlds, looks, titles), worlds), False)],
+                "tables": [
+                    (
+                        table(
+                            "harder",
+                            page.by_group_table(
+                                worlds, looks, titles, generated, "Cost where moves slip and maps change",
+                                "As a multiple of PTL’s in the same world, on the same maps.",
+                            ),
+                            of_worlds,
+                        ),
+                        False,
+                    )
+                ],
             },
-        )
-        questions.append(page.harder_answer(worlds, looks))
-    if len(sequences):
-        for family in dict.fromkeys(sequences["family"]):
-            part = sequences[sequences["family"] == family]
-            made = page.wide_table(
-                part, looks, {name: name for name in dict.fromkeys(part["sequence"])}, "sequence", "cost",
-                ("low", "high"), f"Sequences of tasks: {titles[family]}",
-                "Cost as a multiple of the optimum on the same maps, by the order in which goals come.",
-            )  # fmt: skip
-            spread["tables"].append((made, False))
+        )  # fmt: skip
+        questions.append(page.harder_answer({name: own for name, (own, _) in worlds.items()}, looks, generated))
     write_text(
         folder / "index.html",
         page.page(
             introduction=page.introduction(study, lives),
-            lead=page.lead(costs, looks, generated),
+            lead=page.lead(means, looks, generated),
             strip=pictures["strip"],
-            answers=questions,
+            glossary=page.glossary(looks),
+            answers=[answer for answer in questions if answer["lead"] or answer["lines"]],
             explorer=page.explorer_line(study, looks),
             reading=page.READING,
             sections=[section for section in sections if section["figures"] or section["tables"]],
-            method_lines=page.method_lines(study),
+            another_house=page.ANOTHER_HOUSE,
+            method_lines=page.method_lines(study, how),
         ),
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from projects import ROOT
+from projects import ROOT, imports_of_a_fork
 
 from ptl.agent.subgoals import discover
 from ptl.config import Parameters
@@ -74,46 +73,118 @@ def lives_of(logs: dict[str, list[list[float]]], family: str = "rooms") -> pd.Da
 # -- the bootstrap and what is estimated with it
 
 
-def test_the_hierarchical_bootstrap_against_all_of_its_outcomes():
-    """Two maps with two lives each: 4 draws of maps, 16 of lives; every mean has its exact probability."""
+def estimated(logs: dict[str, list[list[float]]]) -> pd.DataFrame:
+    """Costs of lives with these logarithms, by method."""
+    frame = lives_of(logs)
+    return summary.costs(summary.Means(frame, HOW), frame).set_index("method")
+
+
+def test_the_bootstrap_against_all_of_its_outcomes():
+    """Two maps with means 0.5 and 4: of four draws one has the first twice, one the second twice, two have both."""
     logs = np.array([[0.0, 1.0], [3.0, 5.0]])
-    exact = [
-        np.mean([logs[place, chosen] for place, pair in zip(maps, (first, second), strict=True) for chosen in pair])
-        for maps in itertools.product(range(2), repeat=2)
-        for first in itertools.product(range(2), repeat=2)
-        for second in itertools.product(range(2), repeat=2)
-    ]
-    drawn = summary.resample({"ptl": logs}, "rooms", HOW).means["ptl"]
-    assert set(np.round(drawn, 9)) == set(np.round(exact, 9))
-    for value in set(exact):
-        share = np.mean(np.isclose(exact, value))
-        assert abs(np.mean(np.isclose(drawn, value)) - share) < 5 * np.sqrt(share * (1 - share) / HOW.resamples)
-    cost = summary.costs(lives_of({"ptl": logs.tolist()}), HOW).iloc[0]
+    drawn = summary.resample(logs, "rooms", "ptl", HOW)
+    shares = [np.mean(np.isclose(drawn, value)) for value in (0.5, 2.25, 4)]
+    assert sum(shares) == 1 and shares == pytest.approx([0.25, 0.5, 0.25], abs=0.04)
+    cost = estimated({"ptl": logs.tolist()}).iloc[0]
     assert (cost["maps"], cost["seeds"]) == (2, 2)
-    assert cost["cost"] == pytest.approx(np.exp(9 / 4))
-    assert (cost["low"], cost["high"]) == pytest.approx(np.exp(np.quantile(drawn, [0.025, 0.975])))
+    assert (cost["cost"], cost["low"], cost["high"]) == pytest.approx(np.exp([2.25, 0.5, 4]))
 
 
-def test_a_map_of_the_article_has_its_lives_drawn_only():
-    drawn = summary.resample({"ptl": np.array([[0.0, 1.0]])}, "env1", HOW).means["ptl"]
+def test_a_map_of_the_article_has_its_lives_drawn():
+    drawn = summary.resample(np.array([[0.0, 1.0]]), "env1", "ptl", HOW)
     assert [np.mean(drawn == value) for value in (0, 0.5, 1)] == pytest.approx([0.25, 0.5, 0.25], abs=0.04)
+    other = summary.resample(np.array([[0.0, 1.0]]), "env1", "other", HOW)
+    assert abs(np.corrcoef(drawn, other)[0, 1]) < 0.1  # lives of two methods have nothing in common
+    assert np.isnan(summary.resample(np.array([[1.0]]), "env1", "ptl", HOW)).all()
 
 
 def test_methods_are_compared_on_the_same_maps():
     """Lives that differ between maps but not on them: the ratio to the base is exact, costs are not."""
     base = np.array([[1.0, 1.0], [4.0, 4.0], [2.0, 2.0]])
-    logs = {"ptl": base.tolist(), "half": (base - np.log(2)).tolist()}
-    half = summary.costs(lives_of(logs), HOW).set_index("method").loc["half"]
+    half = estimated({"ptl": base.tolist(), "half": (base - np.log(2)).tolist()}).loc["half"]
     assert (half["ratio"], half["ratio_low"], half["ratio_high"]) == pytest.approx((0.5, 0.5, 0.5))
     assert half["low"] < half["cost"] < half["high"]
+
+
+def test_families_count_alike_in_a_comparison():
+    """Ratios 2 and 8 in families of two and of three maps: 4 over both."""
+    few, many = [[1.0], [3.0]], [[0.0], [2.0], [5.0]]
+    parts = [
+        lives_of({"ptl": few, "other": (np.array(few) + np.log(2)).tolist()}, "rooms"),
+        lives_of({"ptl": many, "other": (np.array(many) + np.log(8)).tolist()}, "cave"),
+    ]
+    means = summary.Means(pd.concat(parts), HOW)
+    found = means.compare(["rooms", "cave"], "other", "ptl")
+    assert (found.overall.value, found.overall.low, found.overall.high) == pytest.approx((4, 4, 4))
+    assert [ratio.value for ratio in found.families.values()] == pytest.approx([2, 8])
+    assert (found.less, found.more) == (0, 2)
+    cost = means.cost(["rooms", "cave"], "ptl")
+    assert cost.value == pytest.approx(np.exp((2 + 7 / 3) / 2))
 
 
 def test_probability_of_improvement_by_hand():
     """On map 0 three of four pairs are better and one is a tie; on map 1 none is."""
     values, base = np.array([[0.0, 1.0], [9.0, 9.0]]), np.array([[1.0, 2.0], [3.0, 3.0]])
-    found = summary.improvement(values, base, HOW)
+    found = summary.improvement(values, base, HOW, "rooms", "other")
     assert found.value == (3.5 / 4 + 0) / 2
     assert (found.low, found.high) == (0, 3.5 / 4)
+    one = summary.improvement(values[:1], base[:1], HOW, "env1", "other")
+    assert (one.value, one.low, one.high) == (3.5 / 4, 0.5, 1)
+
+
+def test_hardness_by_hand():
+    """The arena's longest way is from corner to corner: 3 + 4 steps."""
+    assert summary.diameter(GridWorld.from_text("I....\n.###.\n....A\n")) == 6
+    assert summary.diameter(GridWorld.from_text("I..A\n")) == 3
+    entries = [e for e in read_population() if (e.family, e.size) == ("rooms", 300) and e.seed in (4000, 4001)]
+    logs = {"ptl": [[1.0, 3.0], [2.0, 2.0]], "mine": [[0.0, 0.0], [1.0, 1.0]]}
+    lives = lives_of(logs)
+    lives["map"] = lives["map"].replace({"0": "4000", "1": "4001"})
+    frame = summary.hardness(lives, entries, ["no_transfer", "ptl", "mine"])
+    assert list(frame.columns) == ["family", "map", "diameter", "winding", "ptl", "mine"]
+    assert frame["winding"].tolist() == [entry.winding for entry in entries]
+    assert frame["diameter"].tolist() == [summary.diameter(entry.world()) for entry in entries]
+    assert frame[["ptl", "mine"]].to_numpy() == pytest.approx(np.exp([[2, 0], [2, 1]]))
+
+
+def test_rank_correlations_by_hand():
+    """Orders that are kept, turned, both at once in two groups, tied, and without variation in one group or in all."""
+    x, y = np.array([1.0, 2, 3]), np.array([10.0, 20, 30])
+    assert summary.rank_correlation([(x, y)]) == pytest.approx(1)
+    assert summary.rank_correlation([(x, -y)]) == pytest.approx(-1)
+    assert summary.rank_correlation([(x, y), (x, -y)]) == pytest.approx(0)
+    # ranks 1 2.5 2.5 4 and 2 1 3 4: products 1.5 x 0.5 + 1.5 x 1.5 = 3, sums of squares 4.5 and 5
+    tied = summary.rank_correlation([(np.array([1.0, 5, 5, 9]), np.array([4.0, 2, 6, 8]))])
+    assert tied == pytest.approx(3 / np.sqrt(4.5 * 5))
+    assert summary.rank_correlation([(x, y), (np.ones(3), y)]) == pytest.approx(6 / np.sqrt(4 * 2) / 3)
+    assert np.isnan(summary.rank_correlation([(np.ones(3), y)]))
+
+
+def test_trends_with_hardness_are_over_all_maps_and_within_families():
+    """In both families the cost falls with the diameter, yet the family of wide maps is the dearer one."""
+    frame = pd.DataFrame(
+        {"family": ["a"] * 6 + ["b"] * 6, "map": list("abcdefghijkl"), "diameter": [1, 2, 3, 4, 5, 6, *range(11, 17)],
+         "winding": np.linspace(1, 2, 12), "no_transfer": 50.0, "ptl": [6.0, 5, 4, 3, 2, 1, *range(26, 20, -1)]}
+    )  # fmt: skip
+    trends = summary.hardness_trends(frame, HOW).set_index(["cost", "hardness", "scope"])
+    # differences of ranks in a family are 5 3 1 1 3 5, their squares 70; 1 - 6 x 140 / (12 x 143) over both
+    everywhere = trends.loc["ptl", "diameter", summary.ALL_MAPS]
+    assert everywhere["value"] == pytest.approx(1 - 840 / 1716)
+    assert 0 < everywhere["low"] < everywhere["high"] < 1
+    assert trends.loc["ptl", "diameter", summary.WITHIN].tolist() == pytest.approx([-1, -1, -1])
+    assert trends.loc[
+        summary.SAVED,
+        "diameter",
+        summary.WITHIN,
+    ]["value"] == pytest.approx(-1)
+    assert np.isnan(trends.loc["no_transfer", "diameter", summary.ALL_MAPS]["value"])
+    looks = {"ptl": Look("PTL", "#000000")}
+    answer = page.hardness_answer(trends.reset_index(), looks)
+    assert "with the diameter 0.51 [" in answer["lead"]
+    assert (
+        "] over all maps (PTL saves less on harder maps), −1 [−1, −1] within families (PTL saves more" in answer["lead"]
+    )
+    assert answer["lines"] == [line for line in answer["lines"] if line.startswith("Of the cost of “PTL”, over all")]
 
 
 def test_performance_profiles_by_hand():
@@ -141,7 +212,7 @@ def test_variance_between_maps_and_between_lives_is_told_apart():
 def test_methods_must_have_been_run_on_the_same_maps():
     lives = lives_of({"ptl": [[1.0], [2.0]], "mine": [[1.0], [2.0]]})
     with pytest.raises(UserError, match=r"method mine: its lives in the family rooms are not those of the other"):
-        summary.costs(lives.drop(lives.index[-1]), HOW)
+        summary.Means(lives.drop(lives.index[-1]), HOW)
 
 
 def tasks_table() -> pd.DataFrame:
@@ -156,7 +227,7 @@ def tasks_table() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(columns)).assign(slip=0.0, change=NO_CHANGE)
 
 
-def test_costs_against_tasks_library_size_and_winding_by_hand():
+def test_costs_against_tasks_and_library_size_by_hand():
     tasks = tasks_table()
     assert summary.by_task(tasks, "increasing", HOW)[["task", "cost"]].values == pytest.approx(
         np.array([[1, 2], [2, 8]])
@@ -167,9 +238,6 @@ def test_costs_against_tasks_library_size_and_winding_by_hand():
     assert sizes["cost"].to_dict() == pytest.approx({0: 8, 2: 4, 4: 1})
     lives = per_life(tasks)
     assert lives.values.tolist() == [["rooms", "4000", 300, "increasing", "ptl", 0, 400, 50, 2]]
-    entry = next(e for e in read_population() if (e.family, e.seed) == ("rooms", 4000))
-    windings = summary.by_winding(lives, [entry])
-    assert windings[["winding", "cost"]].values.tolist() == [[entry.winding, pytest.approx(8)]]
 
 
 # -- worlds that slip or change
@@ -193,34 +261,39 @@ def test_costs_in_harder_worlds_stand_beside_those_of_the_certain_one_on_the_sam
     ]
     harder = pd.concat([*slips, *door])
     harder = harder[harder["map"] == "a"]
-    worlds = summary.harder_costs(harder, main, HOW)
-    costs = worlds.set_index(["world", "method"])["cost"].to_dict()
+    worlds = summary.by_world(harder, main, HOW)
+    frame = pd.concat([costs for _, costs in worlds.values()])
+    costs = frame.set_index(["world", "method"])["cost"].to_dict()
     expected = {("certain", "ptl"): 8, ("certain", "rmax_memory"): 2, ("slip 0.2", "ptl"): 4}
     expected |= {("slip 0.2", "rmax_memory"): 1, ("a door changes", "ptl"): 1, ("a door changes", "rmax_memory"): 3}
     assert costs == pytest.approx(expected)
-    assert set(worlds["maps"]) == {1}
+    assert set(frame["maps"]) == {1}
     looks = {name: Look(name.upper(), "#000000") for name in ("ptl", "rmax_memory")}
-    answer = page.harder_answer(worlds, looks)
-    assert answer["lead"] == "Not the same in all: “RMAX_MEMORY”."
-    assert answer["lines"][1] == "Slip 0.2: cheapest RMAX_MEMORY 1, PTL 4; PTL 4 (× optimum, mean over families)."
-    assert answer["lines"][-1] == "RMAX_MEMORY is dearer than PTL in rooms (a door changes)."
-    same = page.harder_answer(worlds[worlds["world"] != "a door changes"], looks)
-    assert same["lead"] == "Cheaper than PTL in every one of these worlds and families: “RMAX_MEMORY”."
-    [group] = page.harder_table(worlds, looks, {"rooms": "Rooms"}).groups
-    assert [[cell.text for cell in row.cells] for row in group.rows] == [["8", "4", "1"], ["2", "1", "3"]]
+    answer = page.harder_answer({name: means for name, (means, _) in worlds.items()}, looks, ["rooms"])
+    assert answer["lead"] == "It turns for “RMAX_MEMORY”."
+    assert answer["lines"] == ["“RMAX_MEMORY”: cheaper than PTL: certain, slip 0.2; dearer: a door changes."]
+    same = {name: means for name, (means, _) in worlds.items() if name != "a door changes"}
+    lead = page.harder_answer(same, looks, ["rooms"])["lead"]
+    assert lead == "Cheaper than PTL in all 2 worlds: “RMAX_MEMORY”. No comparison with PTL turns."
+    groups = page.by_group_table(worlds, looks, {"rooms": "Rooms"}, ["rooms"], "", "").groups
+    assert [group.name for group in groups] == [page.EVERY, "rooms"]
+    assert [[cell.text for cell in row.cells] for row in groups[1].rows] == [["0.25", "0.25", "3"]]
 
 
 def test_the_page_answers_its_question_from_mean_costs():
     methods = {"no_transfer": 1600, "ptl": 800, "rmax_memory": 200}
     looks = {name: Look(name.upper(), "#000000") for name in methods}
-    costs = summary.costs(pd.concat([constant_lives(*pair) for pair in methods.items()]), HOW)
-    text = page.lead(costs, looks, ["rooms"])
-    assert text.startswith(
-        "PTL’s library takes 8 times the optimum on average, learning from nothing 16 times; of 3 methods"
+    means = summary.Means(pd.concat([constant_lives(*pair) for pair in methods.items()]), HOW)
+    text = page.lead(means, looks, ["rooms"])
+    assert text.startswith("On the same maps PTL takes 0.5 times as many steps as learning every task from")
+    assert (
+        "Of 2 other methods, variants of it included, 1 cost less than PTL, 1 more, and 0 cannot be told from it."
+        in text
     )
-    assert "PTL is number 2 by cost." in text and text.endswith("RMAX_MEMORY 2.")
-    assert "needs no skills" not in page.lead(costs[costs["method"] != "rmax_memory"], looks, ["rooms"])
-    assert page.lead(costs[costs["method"] != "ptl"], looks, ["rooms"]) == ""
+    assert text.endswith("“RMAX_MEMORY” takes 0.25 times PTL’s steps.")
+    alone = summary.Means(pd.concat([constant_lives("ptl", 800), constant_lives("no_transfer", 1600)]), HOW)
+    assert "needs no skills" not in page.lead(alone, looks, ["rooms"])
+    assert page.lead(summary.Means(constant_lives("ptl", 800), HOW), looks, ["rooms"]) == ""
 
 
 def test_lives_in_harder_worlds_have_the_optimum_of_their_world(tmp_path):
@@ -278,7 +351,8 @@ def test_the_shipped_configurations_are_right(monkeypatch):
         for job in jobs
         for place in job.places
     }
-    assert len(places) == 6 * (30 * 15 + 4 * 8 * 5 + 5 * 4 * 5 + 4 * 10 * 3) + 3 * (30 + 20 + 4 * 10)
+    generated, given = 30 * 15 + 4 * 8 * 5 + 5 * 4 * 5 + 4 * 11 * 3 + 13 * 3, 30 + 20 + 4 * 11 + 13
+    assert len(places) == 6 * generated + 3 * given
     learned = pd.read_csv(ROOT / "reports/beyond/per_life.csv")["total_steps"].sum()
     cost = cost_of_lives(jobs, population_of(study), given_maps(study))
     assert learned < cost.steps < learned * 5
@@ -358,6 +432,12 @@ def test_a_generated_map_is_the_one_that_was_planned():
     other = job_from(job.text.replace(job.maps["4001"], "0" * 16))
     with pytest.raises(UserError, match=r"map rooms_300_4001: has the digest .*, not 0+ as planned"):
         other.run({})
+
+
+def test_the_server_has_imported_what_lives_import(tmp_path):
+    [job, *_] = planned(SecondStudy.read(SMALL))
+    assert imports_of_a_fork(tmp_path, job.text, "studies.beyond.jobs") == set()
+    assert "studies.beyond.lives" in imports_of_a_fork(tmp_path, job.text)
 
 
 @pytest.mark.parametrize(

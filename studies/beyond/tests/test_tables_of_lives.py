@@ -41,6 +41,7 @@ def test_tasks_that_are_counted_are_numbers(tmp_path):
         "1",
         "10",
         "5",
+        "2.5",
         "8",
         "0",
         "1",

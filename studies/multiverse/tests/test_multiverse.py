@@ -107,6 +107,14 @@ def test_a_named_setting_may_have_another_map(worlds: dict[str, GridWorld]) -> N
     assert drawn["env1"].text == chain_of_rooms(7)
 
 
+def test_a_slip_of_every_environment_is_that_of_drawn_maps_too(worlds: dict[str, GridWorld]) -> None:
+    point = Point("slips", {"env1.chain.size": 7, "environments.slip": 0.1, "env3.start": [8, 8]}, {})
+    own = worlds_of(point, worlds, ["env1", "env2", "env3"])
+    assert [world.slip for world in own.values()] == [0.1] * 3
+    assert own["env1"].text == chain_of_rooms(7)
+    assert own["env3"].cells[own["env3"].start].tolist() == [8, 8]
+
+
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
@@ -393,7 +401,8 @@ def test_drawings_of_other_maps_are_not_associated(study: Multiverse) -> None:
     table = curves.association_table(frame, changes, study.unknowns)
     assert table.iloc[0]["unknown"] == "learning.alpha"
     assert table.iloc[0]["association"] == pytest.approx(1)
-    assert not table["unknown"].str.startswith(("env2", "env3")).any()
+    assert not table["unknown"].str.startswith(("env2.", "env3.")).any()
+    assert "environments.slip" in set(table["unknown"])
 
 
 def test_degrees_of_a_setting_and_the_ledger(verdicts: pd.DataFrame) -> None:
