@@ -19,7 +19,16 @@ def flock(file, operation):
 
 fcntl.flock = flock
 """
-HOLD = "from ptl.files.lock import begin_run; begin_run(); print('held', flush=True); input()"
+HOLD = """
+import os
+from ptl.files import lock
+
+lock.ENDING = 2
+stdin = os.dup(0)
+lock.begin_run()
+print("held", flush=True)
+os.read(stdin, 1)
+"""
 
 
 def hold(folder: Path, name: str = "") -> subprocess.Popen[str]:
@@ -28,9 +37,8 @@ def hold(folder: Path, name: str = "") -> subprocess.Popen[str]:
     place.mkdir(exist_ok=True)
     (place / "sitecustomize.py").write_text(NO_LOCKS.format(name=name) if name else "")
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(place), str(ROOT)])}
-    code = f"import os; stdin = os.dup(0); {HOLD.replace('input()', 'os.read(stdin, 1)')}"
     return subprocess.Popen(
-        [sys.executable, "-c", code], cwd=folder, env=environment, text=True,
+        [sys.executable, "-c", HOLD], cwd=folder, env=environment, text=True,
         stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     )  # fmt: skip
 

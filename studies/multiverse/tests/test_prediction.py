@@ -260,16 +260,27 @@ def test_methods_learned_in_some_settings_are_predicted_from_these():
 # -- files
 
 
-def test_files_are_the_same_bytes_again_and_are_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def some_settings(methods: Iterable[str] = METHODS) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Estimates and verdicts of eight settings."""
     random = np.random.default_rng(6)
     settings = {setting(place): (random.uniform(50, 900), random.uniform(1, 90), 20) for place in range(8)}
-    estimates, verdicts = estimates_of(settings), verdicts_of({name: random.uniform() for name in settings}, claims=20)
+    return estimates_of(settings, methods), verdicts_of({name: random.uniform() for name in settings}, claims=20)
+
+
+def test_files_are_the_same_bytes_again(tmp_path: Path):
+    estimates, verdicts = some_settings(TWO)
     for name in ("one", "other"):
-        write_predictions(predict(estimates, verdicts, ENVIRONMENTS, METHODS), verdicts, tmp_path / name)
+        write_predictions(predict(estimates, verdicts, ONE, TWO), verdicts, tmp_path / name)
     content = (tmp_path / "one/predictions.csv").read_bytes()
     assert content == (tmp_path / "other/predictions.csv").read_bytes()
     page = (tmp_path / "one/README.md").read_text()
     assert hashlib.sha256(content).hexdigest() in page and page == (tmp_path / "other/README.md").read_text()
+
+
+def test_predictions_of_all_cells_are_read_and_scored(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    estimates, verdicts = some_settings()
+    write_predictions(predict(estimates, verdicts, ENVIRONMENTS, METHODS), verdicts, tmp_path / "one")
+    page = (tmp_path / "one/README.md").read_text()
     read = read_predictions(tmp_path / "one/predictions.csv")
     assert f"{len(read[list(CELL)].drop_duplicates())} cells: mean" in page and "8 settings a cell" in page
     monkeypatch.chdir(tmp_path)
