@@ -5,7 +5,7 @@ SNAKEFILES += studies/beyond/Snakefile
 
 .PHONY: beyond beyond-smoke beyond-1000 beyond-3000 beyond-slow tune-beyond
 
-beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (12 minutes on two idle cores).
+beyond: build  ## The second study: other methods on maps that nobody chose, reports/beyond/index.html (a quarter of an hour).
 	$(BEYOND)
 	@echo "Open reports/beyond/index.html in a browser."
 	@.venv/bin/ptl verify reports/beyond --against published --exit-zero
