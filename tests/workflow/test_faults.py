@@ -262,10 +262,12 @@ SWAPS = [
 
 
 @pytest.mark.parametrize(("product", "other"), SWAPS)
-def test_files_of_other_jobs_are_found(kept, product, other):
-    """By the place alone, as before the end of a run."""
-    results = kept.folder / "results/tiny"
-    shutil.copy(results / other, results / product)
+def test_files_of_other_jobs_are_found(tiny, tmp_path, product, other):
+    """By the place alone, as before the end of a run, which writes made.json."""
+    results = tmp_path / "results/tiny"
+    for name in (product, other):
+        (results / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(tiny.folder / "results/tiny" / other, results / name)
     done = CliRunner().invoke(commands, ["verify", str(results / product)])
     assert isinstance(done.exception, UserError) and f"is the file {other} of a run" in done.output
 
