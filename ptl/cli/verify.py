@@ -44,7 +44,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     """
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
-    from ptl.files.manifest import MANIFEST, damages
+    from ptl.files.manifest import MANIFEST, damages, products_in
     from ptl.jobs.kinds import register_studies
 
     if against is not None:
@@ -73,7 +73,9 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
         click.echo(f"left from another configuration, may be removed: {len(strangers)} files ({printable(listed)})")
     if faults:
         raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked{'; removed' * remove}")
-    click.echo(f"{len(files)} files are whole and consistent")
+    named = sum(len(products_in(path.parent)) for path in files if path.name == MANIFEST)
+    checked = len(files) + named
+    click.echo(f"{checked} files are whole and consistent" if checked > 1 else f"{files[0]}: is whole and consistent")
 
 
 def _check_result(path: Path, any_code: bool) -> bool:

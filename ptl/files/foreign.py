@@ -201,7 +201,8 @@ def read_cells(path: Path, **options: Any) -> pd.DataFrame:
     except UnicodeDecodeError as error:
         raise UserError(f"{path}: byte {error.start + 1} is not UTF-8 text; save it as UTF-8") from error
     except ValueError as error:  # pandas' own errors are ValueErrors
-        raise UserError(f"{path}: cannot be read as CSV ({' '.join(str(error).split())}); correct it there") from error
+        fault = " ".join(str(error).split())
+        raise UserError(f"{path}: is no table ({fault}); correct it, or make one with 'ptl import-runs'") from error
 
 
 def _read(path: Path) -> pd.DataFrame:

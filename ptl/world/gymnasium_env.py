@@ -95,7 +95,7 @@ class GridWorldEnv(gymnasium.Env[np.int64, np.int64]):
 
         An action that is not one of 0 to 3 raises ValueError.
         """
-        if not self.action_space.contains(action):
+        if isinstance(action, bool) or not self.action_space.contains(action):
             raise ValueError(f"action {action!r:.60} is not allowed; give one of 0 to 3 (north, south, west, east)")
         slips = self.world.slip > 0 and self.np_random.random() < self.world.slip
         direction = self.np_random.integers(4) if slips else action

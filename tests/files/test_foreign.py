@@ -137,15 +137,15 @@ def test_a_missing_task_or_method_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (b"", "cannot be read as CSV (No columns to parse from file); correct it there"),
+        (b"", "is no table (No columns to parse from file); correct it, or make one with"),
         (b"environment,method,task,seed,episode\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,steps\n", "the columns"),
         (b"environment,method,task,seed,episode,steps,reward\n", "the columns"),
         (b"environment,method,task,,seed,episode,steps\n", "the columns"),
         (b"environment,method,task,seed,episode,steps\nrooms,walker\n", "line 2: seed '' is not allowed"),
-        (b"environment,method,task,seed,episode,steps\na,b,c,1,1,1,1\n", "cannot be read as CSV (Error tokenizing data."
-         " C error: Expected 6 fields in line 2, saw 7); correct it there"),
-        (b'environment,method,task,seed,episode,steps\n"a', "cannot be read as CSV (Error tokenizing data. C"),
+        (b"environment,method,task,seed,episode,steps\na,b,c,1,1,1,1\n", "is no table (Error tokenizing data."
+         " C error: Expected 6 fields in line 2, saw 7); correct it, or make"),
+        (b'environment,method,task,seed,episode,steps\n"a', "is no table (Error tokenizing data. C"),
         (b"environment,method,task,seed,episode,steps\n\xff,b,c,1,1,1\n", "byte 44 is not UTF-8 text; save it"),
     ],
 )  # fmt: skip

@@ -72,7 +72,7 @@ def test_own_parameters_act_and_are_kept(folder: Path) -> None:
 
 def test_a_file_is_compared_with_its_method(folder: Path) -> None:
     learn("one.h5")
-    assert verified("one.h5") == "1 files are whole and consistent\n"
+    assert verified("one.h5") == "one.h5: is whole and consistent\n"
     before = learning_code("mine.py")
     Path("mine.py").unlink()
     gone = "one.h5: its code cannot be compared with the present one: method mine.py: no such file"

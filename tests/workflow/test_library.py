@@ -97,7 +97,7 @@ def test_gymnasium_makes_the_environment_by_its_id():
         gymnasium.make(ID, world=ROOT / "config/environments/env2.txt", goal="Z")
 
 
-@pytest.mark.parametrize("action", [-1, 4, 1.5, None, "north", np.array([1, 2])], ids=repr)
+@pytest.mark.parametrize("action", [-1, 4, 1.5, True, None, "north", np.array([1, 2])], ids=repr)
 def test_gymnasium_view_refuses_what_is_no_action(env2, action):
     env = GridWorldEnv(env2, "A")
     state, _ = env.reset(seed=0)
