@@ -225,6 +225,7 @@ def draw(frame: pd.DataFrame) -> Figure:
                 axes.plot(curve["size"], curve["value"], marker + line, color=colour, markersize=7, label=label)
         axes.set(xscale="log", yscale="log", xlabel=part, ylabel="CPU seconds")
         low, high = axes.get_ylim()
+        low = 10 ** np.floor(np.log10(low))  # a whole power of ten, so that flat curves have two ticks
         axes.set_ylim(low, high * (high / low) ** 0.9)  # room for the legend above the curves
         axes.set_title(title)
         axes.minorticks_off()
