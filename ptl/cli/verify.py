@@ -34,7 +34,8 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     """Check result files (HDF5) and report folders with a manifest, or all of them below folders.
 
     Result files: checksum, arrays as declared, possible values, the job that made them and its code. In results/<run>/
-    of a finished run also that the job is one of that run. Report folders: every product against manifest.json.
+    of a finished run also that the job is one of that run. Report folders: every product against manifest.json. Files
+    beside them that the present configuration does not make are named.
 
     With --against, compare the report folders PATHS with another run instead: which tables are equal, equal within a
     tolerance, or different, which verdicts changed, and which drawings and pages have different bytes. 'published' is
@@ -44,7 +45,7 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     """
     from ptl.cli._progress import shown
     from ptl.errors import UserError, printable
-    from ptl.files.manifest import MANIFEST, damages, products_in
+    from ptl.files.manifest import MANIFEST, damages, products_in, strangers
     from ptl.jobs.kinds import register_studies
 
     if against is not None:
@@ -55,22 +56,23 @@ def command(paths: tuple[Path, ...], against: str | None, exit_zero: bool, any_c
     if not files:
         raise UserError(f"{paths[0]}: nothing there that can be checked; name result files or folders of them")
     faults: list[str] = []
-    strangers: list[Path] = []
+    left: list[Path] = []
     for path in shown(files, "Verifying"):
         try:
             if path.name == MANIFEST:
                 faults += damages(path.parent)
+                left += strangers(path.parent)
             elif not _check_result(path, any_code):
-                strangers.append(path)
+                left.append(path)
         except UserError as error:
             faults.append(str(error))
             if remove and path.suffix == ".h5":
                 path.unlink(missing_ok=True)
     for fault in faults:
         click.echo(printable(fault))
-    if strangers:
-        listed = ", ".join(map(str, strangers[:MAX_LISTED])) + ", ..." * (len(strangers) > MAX_LISTED)
-        click.echo(f"left from another configuration, may be removed: {len(strangers)} files ({printable(listed)})")
+    if left:
+        listed = ", ".join(map(str, left[:MAX_LISTED])) + ", ..." * (len(left) > MAX_LISTED)
+        click.echo(f"left from another configuration, may be removed: {len(left)} files ({printable(listed)})")
     if faults:
         raise UserError(f"faults found: {len(faults)}, in {len(files)} files checked{'; removed' * remove}")
     named = sum(len(products_in(path.parent)) for path in files if path.name == MANIFEST)

@@ -100,6 +100,16 @@ def products_in(folder: Path) -> dict[str, str]:
         return {}
 
 
+def strangers(folder: Path) -> list[Path]:
+    """Return the files beside products in the subfolders of a report folder that its manifest does not name.
+
+    Other files in the folder itself are none of the run's: Snakemake's report, the benchmark.
+    """
+    named = {folder / name for name in products_in(folder)}
+    places = {path.parent for path in named} - {folder}
+    return sorted(path for place in places for path in place.iterdir() if path.is_file() and path not in named)
+
+
 def damages(folder: Path) -> list[str]:
     """Compare a report folder with its own manifest; return a line for each product that differs."""
     lines = []

@@ -113,6 +113,8 @@ def test_a_renamed_environment_is_learned_anew_and_its_old_files_are_named(run: 
         done.returncode == 0
         and f"left from another configuration, may be removed: {LEARNED // 2 + 1} files" in done.stdout
     )
+    drawn = run.ptl("verify", "reports/tiny").stdout
+    assert "left from another configuration" in drawn and "reports/tiny/figures/discovery_rooms" in drawn
     for product in (run.folder / "reports/tiny/tables").glob("*.csv"):
         assert "rooms" not in product.read_text(), product
 
