@@ -29,7 +29,7 @@ class Method(Options):
 
     def act(self, learner: Learner, state: int, action: int) -> int:
         after = learner.act(action, learn=False)
-        learning, row, ahead = self.parameters.learning, self.values[state], self.values[after]
+        learning, row, ahead = self.learning, self.values[state], self.values[after]
         at_goal = after == self.goal
         best = 1.0 if at_goal else learning.gamma * max(ahead)
         row[action] += learning.alpha * (best - row[action])

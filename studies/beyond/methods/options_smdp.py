@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ptl.agent._kernel import Learner
@@ -13,6 +15,12 @@ from ptl.world.gridworld import GridWorld
 N_ACTIONS = 4
 BLOCK = 1024
 """Random numbers drawn at a time."""
+
+
+def uniform_numbers(random: np.random.Generator) -> Iterator[float]:
+    """Yield random numbers in [0, 1)."""
+    while True:
+        yield from reversed(random.random(BLOCK).tolist())
 
 
 def initiation_set(option: Skill) -> np.ndarray:
@@ -53,9 +61,9 @@ class Method(BaseMethod):
 
     def __init__(self, world: GridWorld, parameters: Parameters, random: np.random.Generator) -> None:
         super().__init__(world, parameters, random)
-        subgoals = parameters.subgoals
+        self.learning, subgoals = parameters.learning, parameters.subgoals
         self.library: SkillLibrary = SkillLibrary(subgoals.novelty, subgoals.threshold, initiation_sets=True)
-        self._drawn: list[float] = []
+        self.uniform = uniform_numbers(random)
 
     def begin_task(self, start: int, goal: int) -> np.ndarray | None:
         self.goal = goal
@@ -69,9 +77,9 @@ class Method(BaseMethod):
 
     def run_episode(self, learner: Learner) -> list[int]:
         taken = []
-        state, goal = learner.state, self.goal
+        state, goal, n_states = learner.state, self.goal, self.world.n_states
         while not (state == goal or learner.truncated):
-            choice = self.choose(state, N_ACTIONS if learner.steps >= self.world.n_states else None)
+            choice = self.choose(state, N_ACTIONS if learner.steps >= n_states else None)
             if choice < N_ACTIONS:
                 state = self.act(learner, state, choice)
             else:
@@ -89,13 +97,15 @@ class Method(BaseMethod):
         """
         row = self.values[state]
         best = max(row)
-        if self._uniform() < self.parameters.learning.epsilon:
+        if next(self.uniform) < self.learning.epsilon:
             among = [choice for choice, value in enumerate(row[:random_end]) if value > -np.inf]
-        elif row.count(best) == 1:
-            return row.index(best)
-        else:
-            among = [choice for choice, value in enumerate(row[: random_end if best == 0 else None]) if value == best]
-        return among[int(self._uniform() * len(among))]
+            return among[int(next(self.uniform) * len(among))]
+        if best == 0:
+            row = row[:random_end]
+        ties, place = row.count(best), -1
+        for _ in range(1 + (int(next(self.uniform) * ties) if ties > 1 else 0)):
+            place = row.index(best, place + 1)
+        return place
 
     def act(self, learner: Learner, state: int, action: int) -> int:
         """Take an action and learn about it; return the state after it."""
@@ -117,14 +127,9 @@ class Method(BaseMethod):
 
     def learn(self, state: int, choice: int, after: int, steps: int) -> None:
         """Update Q of an action or option that led from a state to another in some steps."""
-        gamma, row = self.parameters.learning.gamma, self.values[state]
+        gamma, row = self.learning.gamma, self.values[state]
         target = gamma ** (steps - 1) if after == self.goal else gamma**steps * max(self.values[after])
-        row[choice] += self.parameters.learning.alpha * (target - row[choice])
+        row[choice] += self.learning.alpha * (target - row[choice])
 
     def end_task(self, learner: Learner) -> None:
         learner.set_q(np.array(self.values)[:, :N_ACTIONS])
-
-    def _uniform(self) -> float:
-        if not self._drawn:
-            self._drawn = self.random.random(BLOCK).tolist()
-        return self._drawn.pop()
