@@ -43,10 +43,10 @@ class Sizes:
 
     Attributes
     ----------
-    states, skills, tasks : tuple of int
-        States of a map, skills of a library, tasks of a life.
+    states, skills, tasks, episodes : tuple of int
+        States of a map, skills of a library, tasks of a life, episodes of a task.
     library_states : int
-        States of the map on which libraries and lives of many tasks are measured.
+        States of the map on which libraries and lives of many tasks or episodes are measured.
     steps : int
         Steps over which the time of one is measured.
     goals, starts, lives : int
@@ -57,6 +57,7 @@ class Sizes:
     states: tuple[int, ...] = (300, 1000, 3000, 10_000)
     skills: tuple[int, ...] = (1, 10, 100, 300, 1000)
     tasks: tuple[int, ...] = (10, 30, 100, 300, 1000)
+    episodes: tuple[int, ...] = (10, 30, 100, 300, 1000, 3000)
     library_states: int = 2000
     steps: int = 10**7
     goals: int = 40_000
@@ -64,9 +65,9 @@ class Sizes:
     lives: int = 30_000
 
 
-QUICK = Sizes((60, 120), (1, 5), (2, 4), 100, 20_000, 1, 1, 1)
+QUICK = Sizes((60, 120), (1, 5), (2, 4), (2, 4), 100, 20_000, 1, 1, 1)
 
-FITTED_FROM = {"states": 900, "skills": 100, "tasks": 10}
+FITTED_FROM = {"states": 900, "skills": 100, "tasks": 10, "episodes": 100}
 """Minimum sizes for the fit of exponents; below them constant costs hide the growth."""
 
 PANELS = {
@@ -76,6 +77,7 @@ PANELS = {
     "A life of ten tasks": ("states", ("life of ten tasks",)),
     "Library": ("skills", ("prior of a task", "one selection", "likelihood", "discovery and library update")),
     "A life of many tasks": ("tasks", ("life",)),
+    "Ten tasks of many episodes": ("episodes", ("life of ten tasks",)),
 }
 """Panels of the figure: the size along which cost grows, and the quantities."""
 
@@ -86,7 +88,7 @@ def measure(plan: Sizes, say: Callable[[str], None] = lambda _: None) -> pd.Data
     Returns
     -------
     DataFrame
-        Columns ``part`` (states, skills or tasks: along which size), ``kind`` of map, ``size``, ``quantity``,
+        Columns ``part`` (states, skills, tasks or episodes: along which size), ``kind`` of map, ``size``, ``quantity``,
         ``value``, and the exponent of the fitted power law with its 95% interval and the smallest size that was fitted.
     """
     rows: list[tuple[str, str, int, str, float]] = []
@@ -105,6 +107,10 @@ def measure(plan: Sizes, say: Callable[[str], None] = lambda _: None) -> pd.Data
     for tasks in plan.tasks:
         seconds = least_seconds(partial(grow_library, world, tasks, Parameters(), 0, "benchmark", 0), 1)
         add("tasks", "rooms", tasks, [("life, s", seconds)])
+    for episodes in plan.episodes:
+        longer = Parameters().replace(learning__episodes=episodes)
+        seconds = least_seconds(partial(grow_library, world, LIFE, longer, 0, "benchmark", 0), 3)
+        add("episodes", "rooms", episodes, [("life of ten tasks, s", seconds)])
     return with_exponents(pd.DataFrame(rows, columns=["part", "kind", "size", "quantity", "value"]))
 
 
@@ -214,8 +220,11 @@ def power_law(sizes: np.ndarray, values: np.ndarray) -> tuple[float, float, floa
 @style.styled
 def draw(frame: pd.DataFrame) -> Figure:
     """Draw the panels of `PANELS` from the table of `measure`, all axes logarithmic."""
-    figure = style.new_figure(style.SLIDE_WIDTH, 15.9)
-    for axes, (title, (part, quantities)) in zip(figure.subplots(3, 2).flat, PANELS.items(), strict=True):
+    figure = style.new_figure(style.SLIDE_WIDTH, 21.2)
+    cells = figure.subplots(4, 2).flatten()
+    for axes in cells[len(PANELS) :]:
+        axes.remove()
+    for axes, (title, (part, quantities)) in zip(cells, PANELS.items(), strict=False):
         for colour, quantity in zip(style.CATEGORIES, quantities, strict=False):
             curves = frame[(frame["part"] == part) & (frame["quantity"] == f"{quantity}, s")]
             for kind, curve in curves.groupby("kind", sort=False):

@@ -162,7 +162,8 @@ def test_growth_is_measured_drawn_and_written_down():
     growth = scaling.measure(scaling.QUICK)
     assert (growth["value"] >= 0).all()
     assert growth.groupby(["part", "kind"])["size"].nunique().to_dict() == {
-        ("states", "rooms"): 2, ("states", "maze"): 2, ("skills", "rooms"): 2, ("tasks", "rooms"): 2
+        ("states", "rooms"): 2, ("states", "maze"): 2, ("skills", "rooms"): 2, ("tasks", "rooms"): 2,
+        ("episodes", "rooms"): 2,
     }  # fmt: skip
     assert all(axes.lines for axes in scaling.draw(growth).axes)
     text = pages.scaling_page({}, growth)
