@@ -272,6 +272,7 @@ def graph_calls(hostile: Hostile) -> list[Callable[[], Any]]:
     ]
 
 
+@pytest.mark.filterwarnings("ignore::numpy.exceptions.ComplexWarning")
 def test_searches_refuse_what_is_no_graph(record_property):
     hostile = Hostile(20)
     refused = 0

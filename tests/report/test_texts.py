@@ -41,6 +41,7 @@ def test_in_markdown(text):
     assert not re.search(r"(?<!\\)://|www\.", source), "GitHub makes links of these"
 
 
+@pytest.mark.filterwarnings("ignore:Glyph .* missing from font")
 @pytest.mark.parametrize("text", TITLES)
 def test_in_figures(text, tmp_path):
     world = GridWorld.from_text("I.\n.A\n")
