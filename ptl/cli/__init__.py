@@ -17,9 +17,10 @@ import click
 
 import ptl
 from ptl.errors import INTERRUPTED, UserError, printable
+from ptl.extensions import EXTENSIONS
 from ptl.files.checkout import check_checkout
 
-if find_spec("ptl.world._graph") is None:  # before a command or the workflow needs any compiled module
+if None in map(find_spec, EXTENSIONS):  # before a command or the workflow imports one
     sys.exit("error: ptl is not built; run 'make build'")
 
 COMMANDS = (

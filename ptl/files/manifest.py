@@ -106,7 +106,7 @@ def strangers(folder: Path) -> list[Path]:
     Other files in the folder itself are none of the run's: Snakemake's report, the benchmark.
     """
     named = {folder / name for name in products_in(folder)}
-    places = {path.parent for path in named} - {folder}
+    places = {path.parent for path in named if path.parent.is_dir()} - {folder}
     return sorted(path for place in places for path in place.iterdir() if path.is_file() and path not in named)
 
 

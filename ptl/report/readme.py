@@ -127,7 +127,7 @@ def speed(published: Path) -> str:
     mark = "published, not measured here"
     lines += [f"| {row['item']} ({mark}) | {number(row['value'] / 1e6)} | – |" for row in others]
     lines += ["", f"Measured on {machine['processor']}, {machine['cores']} cores, {machine['memory']}."]
-    lines += [f"Published, {row['item']}: {row['source']}." for row in others]
+    lines += ["", *(f"* {row['item']}: {row['source']}." for row in others)]
     return "\n".join(lines)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import shutil
 from pathlib import Path
 
 import pytest
@@ -22,6 +23,19 @@ def report(folder: Path) -> Path:
     path = folder / manifest.MANIFEST
     path.write_text(manifest.to_json(manifest.build(products, folder, {"run": "tiny"}, {})))
     return path
+
+
+def test_files_beside_products_that_it_does_not_name_are_strangers(tmp_path):
+    product, other = tmp_path / "figures/map.png", tmp_path / "figures/map_of_old.png"
+    product.parent.mkdir()
+    for path in (product, other, tmp_path / "report.html"):
+        path.write_bytes(b"made")
+    built = manifest.build([product, tmp_path / "report.html"], tmp_path, {"run": "tiny"}, {})
+    (tmp_path / manifest.MANIFEST).write_text(manifest.to_json(built))
+    (tmp_path / "benchmark.md").write_text("not of the run")
+    assert manifest.strangers(tmp_path) == [other]
+    shutil.rmtree(product.parent)
+    assert manifest.strangers(tmp_path) == []
 
 
 def test_every_damage_to_a_product_is_found(tmp_path, record_property):

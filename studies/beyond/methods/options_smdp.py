@@ -18,7 +18,7 @@ BLOCK = 1024
 
 
 def uniform_numbers(random: np.random.Generator) -> Iterator[float]:
-    """Yield random numbers in [0, 1)."""
+    """Yield random numbers in [0, 1), the last of each block first."""
     while True:
         yield from reversed(random.random(BLOCK).tolist())
 
@@ -102,10 +102,10 @@ class Method(BaseMethod):
             return among[int(next(self.uniform) * len(among))]
         if best == 0:
             row = row[:random_end]
-        ties, place = row.count(best), -1
-        for _ in range(1 + (int(next(self.uniform) * ties) if ties > 1 else 0)):
-            place = row.index(best, place + 1)
-        return place
+        ties, choice = row.count(best), row.index(best)
+        for _ in range(int(next(self.uniform) * ties) if ties > 1 else 0):
+            choice = row.index(best, choice + 1)
+        return choice
 
     def act(self, learner: Learner, state: int, action: int) -> int:
         """Take an action and learn about it; return the state after it."""
