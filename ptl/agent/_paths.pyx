@@ -86,6 +86,25 @@ def last_covered(const int32_t[::1] states not None, const int64_t[::1] first no
     return result
 
 
+def states_before(const int32_t[::1] states not None, const int64_t[::1] first not None,
+                  const int64_t[::1] end not None, int n_states, int32_t state):
+    """Which states come before the first place of a state on some path, uint8 (n_states,).
+
+    Errors as in `frequency_and_distance`.
+    """
+    check_paths(states, first, end, n_states)
+    cdef int64_t path, place, earlier
+    result = np.zeros(n_states, dtype=np.uint8)
+    cdef uint8_t[::1] before = result
+    for path in range(first.shape[0]):
+        for place in range(first[path], end[path]):
+            if states[place] == state:
+                for earlier in range(first[path], place):
+                    before[states[earlier]] = True
+                break
+    return result
+
+
 cdef int check_paths(const int32_t[::1] states, const int64_t[::1] first, const int64_t[::1] end,
                      Py_ssize_t n_states) except -1:
     cdef Py_ssize_t i

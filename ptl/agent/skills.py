@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,7 +24,7 @@ class Skill:
     learned_after : int
         Index of the task after which it was added, counted from 0.
     initiation : bool array, shape (n_states,), or None
-        Initiation set, see `states_before` and `ptl.agent.plan.Leader`; None if the library keeps no such sets.
+        Initiation set, see `Discovery.states_before` and `ptl.agent.plan.Leader`; None if the library keeps none.
     """
 
     subgoal: int
@@ -113,22 +113,9 @@ class SkillLibrary:
         candidate = int(self.finder(discovery, graph, self.subgoals).argmax())
         if candidate in self.subgoals:
             return Update(-1, "the subgoal is in the library already")
-        initiation = states_before(candidate, discovery.paths, graph.n_states) if self.initiation_sets else None
+        initiation = discovery.states_before(candidate) if self.initiation_sets else None
         self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index, initiation))
         return Update(candidate, "added")
-
-
-def states_before(subgoal: int, paths: Iterable[np.ndarray], n_states: int) -> np.ndarray:
-    """Return the initiation set of a skill, bool (n_states,): the states before its subgoal on some path.
-
-    That a skill can be taken where a path that led through its subgoal came from is the notion of McGovern and Barto
-    (2001); that the paths are the loop-erased ones of the task that taught the skill is our choice.
-    """
-    before = np.zeros(n_states, dtype=bool)
-    for path in paths:
-        places = np.flatnonzero(path == subgoal)
-        before[path[: places[0] if len(places) else 0]] = True
-    return before
 
 
 def _way(skill: Skill, start: int, successors: np.ndarray) -> list[int]:

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from ptl.agent._paths import frequency_and_distance, last_covered
+from ptl.agent._paths import frequency_and_distance, last_covered, states_before
 from ptl.world.transitions import TransitionGraph, checked_states
 
 
@@ -77,35 +78,55 @@ def _cut(paths: _Laid, covered: np.ndarray) -> _Laid:
 
 @dataclass(frozen=True)
 class Discovery:
-    """What the first successful episodes of a task say about subgoals.
+    """What the first successful episodes of a task say about subgoals, computed when it is asked for."""
 
-    Attributes
-    ----------
-    original, incremental : FDMetric
-        On the whole paths, and on their rests beyond the part that the library knows.
-    novelty : float
-        Mean length of the rests in steps.
-    diameter : int
-        Maximum length of a shortest path between visited states, in steps.
-    paths : sequence of int arrays
-        The loop-erased paths, from the task's start to its goal.
-    """
+    graph: TransitionGraph = field(repr=False)
+    form: str
+    _whole: _Laid = field(repr=False)
+    _rests: _Laid = field(repr=False)
 
-    original: FDMetric = field(repr=False)
-    incremental: FDMetric = field(repr=False)
-    novelty: float
-    diameter: int
-    paths: Sequence[np.ndarray] = field(default=(), repr=False)
+    @property
+    def paths(self) -> list[np.ndarray]:
+        """The loop-erased paths, from the task's start to its goal."""
+        return [self._whole.states[first:end] for first, end in zip(self._whole.first, self._whole.end, strict=True)]
 
     @property
     def start(self) -> int:
         """The task's start; IndexError if no episode was successful."""
-        return int(self.paths[0][0])
+        return int(self._whole.states[0])
 
     @property
     def goal(self) -> int:
         """The task's goal; IndexError if no episode was successful."""
-        return int(self.paths[0][-1])
+        return int(self._whole.states[-1])
+
+    @cached_property
+    def original(self) -> FDMetric:
+        """The metric on the whole paths."""
+        return _metric(self._whole, self.graph.n_states, self.form)
+
+    @cached_property
+    def incremental(self) -> FDMetric:
+        """The metric on the rests of the paths beyond the part that the library knows."""
+        return self.original if self._rests is self._whole else _metric(self._rests, self.graph.n_states, self.form)
+
+    @cached_property
+    def novelty(self) -> float:
+        """Mean length of the rests in steps, 0 if there is none."""
+        return float((self._rests.end - self._rests.first - 1).mean()) if len(self._rests.end) else 0.0
+
+    @cached_property
+    def diameter(self) -> int:
+        """Maximum length of a shortest path between visited states, in steps."""
+        return self.graph.diameter()
+
+    def states_before(self, subgoal: int) -> np.ndarray:
+        """Return the initiation set of a skill, bool (n_states,): the states before its subgoal on some path.
+
+        That a skill can be taken where a path that led through its subgoal came from is the notion of McGovern and
+        Barto (2001); that the paths are the loop-erased ones of the task that taught the skill is our choice.
+        """
+        return states_before(*self._whole, self.graph.n_states, subgoal).view(bool)
 
 
 def discover(
@@ -115,7 +136,7 @@ def discover(
     cover_radius: int,
     form: str = "tent",
 ) -> Discovery:
-    """Compute both metrics for the loop-erased paths of a task.
+    """Lay out the loop-erased paths of a task for both metrics.
 
     Parameters
     ----------
@@ -135,13 +156,6 @@ def discover(
     ValueError
         If a path is empty, or it or the known states hold something that is not a state of the graph.
     """
-    laid = _lay(paths, graph.n_states)
-    rests = _cut(laid, covered_states(graph, known, cover_radius)) if len(known) else laid
-    original = _metric(laid, graph.n_states, form)
-    return Discovery(
-        original=original,
-        incremental=original if rests is laid else _metric(rests, graph.n_states, form),
-        novelty=float((rests.end - rests.first - 1).mean()) if len(paths) else 0.0,
-        diameter=graph.diameter(),
-        paths=paths,
-    )
+    whole = _lay(paths, graph.n_states)
+    rests = _cut(whole, covered_states(graph, known, cover_radius)) if len(known) else whole
+    return Discovery(graph, form, whole, rests)

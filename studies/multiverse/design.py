@@ -163,14 +163,18 @@ class Multiverse(Group, frozen=True, kw_only=True):
             for value in ends:
                 _check_value(name, value)
 
+    def named_runs(self, name: str) -> int:
+        """Return the runs of each method in a named setting."""
+        return self.named[name].seeds or self.named_seeds
+
     def points(self) -> list[Point]:
         """Return the named settings and then those drawn, a Latin hypercube; their names are fit for files."""
         named = [
             Point(
                 name,
                 setting.changes,
-                dict.fromkeys(self.methods, setting.seeds or self.named_seeds),
-                setting.seeds or self.named_seeds,
+                dict.fromkeys(self.methods, self.named_runs(name)),
+                self.named_runs(name),
                 setting.maps,
             )
             for name, setting in self.named.items()

@@ -90,11 +90,22 @@ class Block(Job, frozen=True, kw_only=True, tag="multiverse/1"):
             if "growth" in own and not grows(own["growth"]):
                 yield f"{point.name}: a library does not grow from 0 by at most one skill a task"
             changed = worlds_of(point, worlds, list(self.tasks)) if wanted & set(own) else {}
+            least = {name: self._shortest_episodes(point, name, world) for name, world in changed.items()}
             for place in sorted(set(own) - {"status", "growth"}):
-                yield from self._faults_of(point, place, own[place], changed)
+                yield from self._faults_of(point, place, own[place], changed, least)
+
+    def _shortest_episodes(self, point: Point, environment: str, world: GridWorld) -> np.ndarray:
+        """Return the steps that no episode of each task can have less of, int array (tasks,)."""
+        paths = world.distances_to(world.start)[[world.goal(letter) for letter in self.tasks[environment]]]
+        return np.minimum(paths, parameters_of(point.changes, self.settings).learning.max_steps)
 
     def _faults_of(
-        self, point: Point, place: str, values: np.ndarray, worlds: Mapping[str, GridWorld]
+        self,
+        point: Point,
+        place: str,
+        values: np.ndarray,
+        worlds: Mapping[str, GridWorld],
+        least: Mapping[str, np.ndarray],
     ) -> Iterator[str]:
         environment, method, name = place.split("/")
         letters = self.tasks.get(environment, "")
@@ -106,11 +117,8 @@ class Block(Job, frozen=True, kw_only=True, tag="multiverse/1"):
             yield f"{point.name}/{place}: has {values.shape[1]} runs of {point.seeds[method]}"
         elif name == "subgoals" and values.max(initial=-1) >= worlds[environment].n_states:
             yield f"{point.name}/{place}: has a state that is not in its map"
-        elif name == "measured":
-            world = worlds[environment]
-            shortest = world.distances_to(world.start)[[world.goal(letter) for letter in letters]]
-            if (values[0] < np.minimum(shortest, parameters_of(point.changes, self.settings).learning.max_steps)).any():
-                yield f"{point.name}/{place}: an episode is shorter than the shortest path"
+        elif name == "measured" and (values[0] < least[environment]).any():
+            yield f"{point.name}/{place}: an episode is shorter than the shortest path"
 
 
 def arrays_of(point: Point, arrays: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -88,6 +88,7 @@ def learn_point(
         settings = parameters_of(point.changes, parameters)
         rule = measures_of(point.changes, measures)
         for environment, letters in tasks.items():
+            optima = [optimum(own[environment], own[environment].goal(letter)) for letter in letters]
             for method, seeds in point.seeds.items():
                 names = (STREAM, point.name, environment)
                 lives = learn_lives(
@@ -103,7 +104,7 @@ def learn_point(
                 if len(lives["seeds"]) < seeds:
                     remarks.append(f"{environment}, {method}: given up after {len(lives['seeds'])} of {seeds} seeds")
                 place = f"{environment}/{method}"
-                arrays[f"{place}/measured"] = measured(lives, own[environment], letters, rule)
+                arrays[f"{place}/measured"] = measured(lives, optima, rule)
                 if "subgoal" in lives:
                     arrays[f"{place}/subgoals"] = np.array([lives[name] for name in SUBGOALS])
         if point.growth_runs:
@@ -118,15 +119,15 @@ def learn_point(
     return {"status": np.array(status.encode()), **arrays}
 
 
-def measured(lives: Mapping[str, np.ndarray], world: GridWorld, letters: str, rule: Measures) -> np.ndarray:
-    """Return the measures of all runs, float array (measures, seeds, tasks)."""
+def measured(lives: Mapping[str, np.ndarray], optima: Sequence[float], rule: Measures) -> np.ndarray:
+    """Return the measures of all runs, float array (measures, seeds, tasks); ``optima`` are those of the tasks."""
     tasks = []
-    for place, letter in enumerate(letters):
+    for place, least in enumerate(optima):
         curves = Curves(
             steps=lives["steps"][:, place],
             base=None,
             truncated=lives["truncated"][:, place],
-            optimum=optimum(world, world.goal(letter)),
+            optimum=least,
             window=rule.window,
             threshold_factor=rule.threshold_factor,
         )

@@ -179,9 +179,12 @@ def method_lines(study: Multiverse, incomplete: int) -> list[str]:
         f"{name.replace('_', ' ')} {number(own.seeds)}{f' in every {own.every}th setting' if own.every > 1 else ''}"
         for name, own in study.methods.items()
     )
+    runs = pd.Series({own.title: study.named_runs(name) for name, own in study.named.items()})
+    others = (f"{number(runs[title])} of {title}" for title in runs.index[runs != study.named_seeds])
+    named = ", ".join([f"{number(study.named_seeds)} of each method", *others])
     return [
         f"{number(study.settings)} settings, drawn from everything in the table above at once. Learning runs of each"
-        f" environment: {effort}. Named settings: {number(study.named_seeds)} of each method.",
+        f" environment: {effort}. Named settings: {named}.",
         f"In {number(incomplete)} settings a method was given up in an environment after {number(study.step_budget)}"
         " steps for each of its runs; the runs that it finished count.",
         *(f"Not judged: {claim}, which {reason}." for claim, reason in NOT_JUDGED.items()),

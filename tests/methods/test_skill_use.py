@@ -19,7 +19,7 @@ from ptl.agent._episodes import run_episodes
 from ptl.agent._kernel import Dynamics, Learner
 from ptl.agent.policies import values_of
 from ptl.agent.reference import RandomBits, ReferenceLearner
-from ptl.agent.skills import Skill, SkillLibrary, states_before
+from ptl.agent.skills import Skill, SkillLibrary
 from ptl.agent.subgoals import discover
 from ptl.config import Parameters, Skills
 from ptl.errors import UserError
@@ -81,10 +81,11 @@ def set_of(world: GridWorld, *cells: tuple[int, int]) -> np.ndarray:
 
 
 def test_an_initiation_set_holds_the_states_before_the_subgoal():
-    paths = [np.array([0, 1, 2, 3, 4]), np.array([0, 5, 3, 6]), np.array([0, 7, 8]), np.array([3, 9])]
-    assert np.flatnonzero(states_before(3, paths, 10)).tolist() == [0, 1, 2, 5]
-    assert not states_before(0, paths, 10).any()
-    assert not states_before(3, [], 10).any()
+    paths = [np.array([0, 1, 2, 3, 4]), np.array([0, 5, 3, 6]), np.array([0, 7, 8]), np.array([3, 2])]
+    found = discover(paths, CORRIDOR.transitions, [], 0)
+    assert np.flatnonzero(found.states_before(3)).tolist() == [0, 1, 2, 5]
+    assert not found.states_before(0).any()
+    assert not discover([], CORRIDOR.transitions, [], 0).states_before(3).any()
 
 
 @pytest.mark.parametrize("sets", [True, False])

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ptl.agent.skills import Skill, SkillLibrary, Update
-from ptl.agent.subgoals import Discovery, covered_states, cut_known, fd_metric
+from ptl.agent.subgoals import Discovery, discover
 from ptl.config import Parameters
 from ptl.methods.ptl import Method as PartialTransfer
 from ptl.world.gridworld import GridWorld
@@ -32,9 +32,7 @@ class SizedLibrary(SkillLibrary):
                 break
             self.skills.append(Skill(candidate, graph.shortest_path_policy(candidate), task_index))
             update = Update(candidate, "added")
-            covered = covered_states(graph, self.subgoals, self.cover_radius)
-            rests = [cut_known(path, covered) for path in discovery.paths]
-            discovery = replace(discovery, incremental=fd_metric(rests, graph.n_states))
+            discovery = discover(discovery.paths, graph, self.subgoals, self.cover_radius, discovery.form)
         return update
 
 

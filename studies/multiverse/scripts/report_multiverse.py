@@ -49,7 +49,7 @@ with running(snakemake) as script:
     settings = settings.join(pd.DataFrame(settings["setting"].map(lambda name: changes.get(name, {})).tolist()))
     incomplete = int((states["status"] != COMPLETE).sum())
 
-    ledger_table = page.ledger_table(ledger, study.named_seeds)
+    ledger_table = page.ledger_table(ledger, study.named_runs(reference))
     write(ledger_table, folder / "ledger", ledger)
     write_csv(shares.share_table(shares.drawn(verdicts), level), folder / "shares.csv")
     write_csv(ways, folder / "ways.csv")

@@ -149,8 +149,7 @@ def small(study: Multiverse) -> Multiverse:
         settings=2,
         block=2,
         methods={name: own for name, own in methods.items() if name in fast},
-        named={"reference": study.named["reference"]},
-        named_seeds=10,
+        named={"reference": msgspec.structs.replace(study.named["reference"], seeds=10)},
         growth=msgspec.structs.replace(study.growth, runs=10, tasks=14, every=1),
     )
 
