@@ -131,7 +131,7 @@ cdef class SkillSelection:
         """Update every skill used in an episode with the episode's length in steps, whether or not it was truncated."""
         cdef double new = 1.0 / length
         cdef Py_ssize_t skill
-        for skill in set(used):
+        for skill in used if len(used) == 1 else set(used):
             if not 0 <= skill < len(self._measured):
                 raise IndexError(f"there is no skill {skill} among {len(self._measured)}")
             if self._measured[skill]:

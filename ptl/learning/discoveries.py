@@ -35,8 +35,12 @@ class SubgoalRow(NamedTuple):
 
 def subgoal_row(subgoal: int, reason: str, novelty: float, incremental: np.ndarray, original: np.ndarray) -> SubgoalRow:
     """Return the row of a task; the metrics are float arrays (n_states,)."""
-    return SubgoalRow(subgoal, novelty, float(np.max(incremental)), reason, _peak(incremental), _peak(original))
+    (value, peak), (_, original_peak) = _peak(incremental), _peak(original)
+    return SubgoalRow(subgoal, novelty, value, reason, peak, original_peak)
 
 
-def _peak(metric: np.ndarray) -> int:
-    return int(np.argmax(metric)) if np.any(metric) else -1
+def _peak(metric: np.ndarray) -> tuple[float, int]:
+    """Return the greatest value of a metric, which is nowhere negative, and the first state that has it if above 0."""
+    state = int(metric.argmax())
+    value = float(metric[state])
+    return value, state if value else -1

@@ -18,6 +18,35 @@ SOURCE_DIGEST = PTL_SOURCE_DIGEST.decode()
 """sha256 of the sources that this extension was built from."""
 
 
+ctypedef fused whole:
+    int32_t
+    int64_t
+
+
+cdef bint among(const whole[::1] numbers, int64_t n) noexcept:
+    """Whether all numbers are from 0 to n - 1."""
+    cdef Py_ssize_t i
+    for i in range(numbers.shape[0]):
+        if not 0 <= numbers[i] < n:
+            return False
+    return True
+
+
+def checked_states(states, int64_t n_states):
+    """States as int32, an array of int32 itself; ValueError if one is no whole number from 0 to n_states - 1."""
+    given = np.asarray(states)
+    if given.size == 0:
+        return given.astype(np.int32)
+    cdef bint right = False
+    if given.dtype == np.int32:
+        right = among[int32_t](given.reshape(-1), n_states)
+    elif given.dtype.kind in "iu":  # what int64 does not hold becomes negative
+        right = among[int64_t](given.astype(np.int64).reshape(-1), n_states)
+    if not right:
+        raise ValueError(f"a state must be a whole number from 0 to {n_states - 1}, not {states!r}")
+    return given.astype(np.int32, copy=False)
+
+
 def compressed_rows(const int32_t[:, ::1] successors not None, const uint8_t[:, ::1] known not None,
                     bint forward, bint backward):
     """The graph of known transitions, each in one or both of its directions, without edges from a state to itself.

@@ -8,17 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ptl.world._graph import breadth_first, compressed_rows, diameter, first_steps
+from ptl.world._graph import breadth_first, checked_states, compressed_rows, diameter, first_steps
 
 N_ACTIONS = 4
-
-
-def checked_states(states: ArrayLike | Sequence[int], n_states: int) -> np.ndarray:
-    """Return states as int32, an array of int32 itself; ValueError if one is no whole number from 0 to n_states - 1."""
-    given = np.asarray(states)
-    if given.size and (given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= n_states):
-        raise ValueError(f"a state must be a whole number from 0 to {n_states - 1}, not {states!r}")
-    return given.astype(np.int32, copy=False)
 
 
 class TransitionGraph:
