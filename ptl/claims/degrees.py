@@ -127,7 +127,7 @@ def _when(claim: Claim, outcomes: list[Outcomes], hits: list[Outcomes]) -> Itera
 
 
 def _on_tasks(values: list[str]) -> str:
-    single = [value for value in values if len(value) == 1]
+    single = sorted(value for value in values if len(value) == 1)
     texts = [f"task{'s' if len(single) > 1 else ''} {', '.join(single)}"] if single else []
     return "on " + " and ".join(texts + [tasks_text(value) for value in values if len(value) > 1])
 

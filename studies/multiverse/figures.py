@@ -220,7 +220,9 @@ def _draw_levels(
         names, level = levels([changes[setting][str(row.unknown)] for setting in settings], unknown)
         for number, name in enumerate(names):
             here = np.flatnonzero(level == number)
-            ax.plot(here, np.full(len(here), top), "|", color=style.INK, ms=7, mew=0.6, alpha=0.6)
+            # one broken line, which takes a tenth of the bytes of as many markers in an SVG
+            marks = np.tile([top - 0.25, top + 0.25, np.nan], len(here))
+            ax.plot(np.repeat(here, 3), marks, color=style.INK, linewidth=0.6, alpha=0.6)
             labels.append(f"{unknown.symbol}: {name}" if number == 0 else name)
             places.append(top)
             top += 1

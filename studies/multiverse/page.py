@@ -61,7 +61,11 @@ def ledger_table(ledger: pd.DataFrame, runs: int) -> Table:
 
 
 def _share(share: float, low: float, high: float) -> str:
-    return MISSING if np.isnan(share) else f"{_percent(share)} {interval(round(100 * low), round(100 * high))}"
+    """Show a share with its interval, rounded outwards: that of none or of all the settings is not a point."""
+    if np.isnan(share):
+        return MISSING
+    ends = np.round([100 * low, 100 * high], 9)
+    return f"{_percent(share)} {interval(float(np.floor(ends[0])), float(np.ceil(ends[1])))}"
 
 
 def _percent(share: float) -> str:

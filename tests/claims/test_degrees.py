@@ -75,6 +75,8 @@ def test_two_open_words_name_only_what_matters():
     own = claim(("tasks", "runs"))
     found = degree_of(own, outcomes(own, lambda reading: reading.tasks == "C"))
     assert found.when == "on task C"
+    found = degree_of(own, outcomes(own, lambda reading: reading.tasks in {"F", "B", "D"}))
+    assert found.when == "on tasks B, D, F"
 
 
 def test_plain_words_are_named():

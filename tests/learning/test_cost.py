@@ -197,6 +197,10 @@ def test_a_task_is_searched_a_few_times_beside_its_diameter(env1: GridWorld):
     assert searches_of(work) <= searches_of(env1.transitions.diameter) + 12
 
 
+def test_a_method_without_a_library_searches_nothing(env1: GridWorld):
+    assert searches_of(one_task(env1, "no_transfer", 40)) == 0
+
+
 # -- memory --------------------------------------------------------------------------------------------------
 
 

@@ -416,8 +416,9 @@ def test_degrees_of_a_setting_and_the_ledger(verdicts: pd.DataFrame) -> None:
     ledger = shares.ledger(drawn, printed, "reference", 0.95)
     assert tuple(ledger.columns) == shares.LEDGER_COLUMNS
     assert len(ledger) == len(JUDGED)
-    table = page.ledger_table(ledger, 12)
+    table = page.ledger_table(ledger.assign(share=0.0, low=0.0, high=0.0038), 12)
     assert len(table.groups[0].rows) == len(JUDGED)
+    assert "0% [0, 1]" in str(table.groups[0].rows[0])
 
 
 def test_the_reading_of_a_summary_changes_only_what_a_claim_leaves_open() -> None:
