@@ -67,12 +67,8 @@ def covered_states(graph: TransitionGraph, known: Sequence[int], radius: int) ->
     return (steps >= 0) & (steps <= radius)
 
 
-def cut_known(path: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    """Return the rest of a path from its last covered state on; the whole path if none is covered."""
-    return path[_cut(_lay([path], len(covered)), covered).first[0] :]
-
-
 def _cut(paths: _Laid, covered: np.ndarray) -> _Laid:
+    """Return the rest of each path from its last covered state on; the whole path if none is covered."""
     return paths._replace(first=last_covered(*paths, covered.view(np.uint8)))
 
 

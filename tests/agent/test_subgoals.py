@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ptl.agent.subgoals import covered_states, cut_known, discover, fd_metric
+from ptl.agent.subgoals import covered_states, discover, fd_metric
 from ptl.world.gridworld import GridWorld
 from ptl.world.transitions import TransitionGraph
 
@@ -59,14 +59,10 @@ def test_only_seen_transitions_cover():
     np.testing.assert_array_equal(np.flatnonzero(covered_states(graph, [3], 2)), [1, 2, 3, 4])
 
 
-def test_cut_starts_at_the_last_covered_state():
-    covered = np.zeros(9, dtype=bool)
-    covered[[1, 2, 5]] = True
-    path = np.arange(9)
-    np.testing.assert_array_equal(cut_known(path, covered), [5, 6, 7, 8])
-    np.testing.assert_array_equal(cut_known(path, np.zeros(9, dtype=bool)), path)
-    covered[8] = True
-    np.testing.assert_array_equal(cut_known(path, covered), [8])
+@pytest.mark.parametrize(("known", "rest"), [([1, 2, 5], [5, 6, 7, 8]), ([8], [8]), ([], range(9))])
+def test_a_rest_starts_at_the_last_covered_state(known, rest):
+    discovery = discover([np.arange(9)], all_seen(CORRIDOR), known, cover_radius=0)
+    assert np.flatnonzero(discovery.incremental.frequency).tolist() == list(rest)
 
 
 def test_discovery_puts_the_focus_on_the_unknown_part():
