@@ -111,10 +111,15 @@ def _association(values: list[Any], score: np.ndarray, unknown: Unknown) -> tupl
     return float(np.sqrt(min(1.0, result.statistic / (len(score) - 1)))), float(result.pvalue)
 
 
+MOST_LEVELS = 6
+"""Maximum number of values of an unknown that are told apart."""
+
+
 def levels(values: list[Any], unknown: Unknown) -> tuple[list[str], np.ndarray]:
-    """Return the levels of an unknown, thirds of its values if they are ranked, and each setting's, int (settings,)."""
-    if not unknown.numeric:
-        return [_text(option) for option in unknown.options], np.array([unknown.options.index(v) for v in values])
+    """Return the levels of an unknown and each setting's, int (settings,): its values, or thirds of them if many."""
+    few = sorted(set(values)) if unknown.numeric else list(unknown.options)
+    if len(few) <= MOST_LEVELS or not unknown.numeric:
+        return [_text(value) for value in few], np.array([few.index(value) for value in values])
     numbers = np.array(values, dtype=float)
     return ["low", "middle", "high"], np.searchsorted(np.quantile(numbers, [1 / 3, 2 / 3]), numbers, side="left")
 
@@ -122,4 +127,4 @@ def levels(values: list[Any], unknown: Unknown) -> tuple[list[str], np.ndarray]:
 def _text(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return " × ".join(map(str, value)) if isinstance(value, list | tuple) else str(value).replace("_", " ")
+    return ", ".join(map(str, value)) if isinstance(value, list | tuple) else str(value).replace("_", " ")

@@ -117,7 +117,7 @@ def draw_scores(scores: pd.DataFrame, ways: Mapping[str, str], named: Mapping[st
     named : mapping
         Title of each named setting.
     """
-    figure = style.new_figure(style.SLIDE_WIDTH, 5.4)
+    figure = style.new_figure(style.SLIDE_WIDTH, 6.2)
     axes = figure.subplots(1, 2, sharey=True)
     order = list(dict.fromkeys(ways.values()))
     for ax, read, title in zip(
@@ -139,7 +139,7 @@ def draw_scores(scores: pd.DataFrame, ways: Mapping[str, str], named: Mapping[st
         ax.grid(axis="y", visible=False)
     axes[0].set_yticks(range(len(order)), [way.replace("_", " ") for way in order])
     handles, labels = axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=2, fontsize=12)
+    figure.legend(handles, labels, loc="outside lower center", fontsize=12)
     return figure
 
 
@@ -177,7 +177,7 @@ def draw_curve(
         _draw_levels(lower, list(cloud["setting"]), rows, changes, unknowns)
     grid[0][0].set_ylabel(HEADINGS[headline], fontsize=13)
     handles, labels = grid[0][0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=12)
+    figure.legend(handles, labels, loc="outside upper center", ncols=4, fontsize=12, markerscale=2)
     return figure
 
 

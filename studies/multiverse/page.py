@@ -118,9 +118,12 @@ def score_table(scores: pd.DataFrame, named: Mapping[str, str], fitted: Mapping[
     return text_table(
         "Named settings among the drawn ones",
         "Claims that hold, as statements about means, and the share of the drawn settings in which fewer hold.",
-        ("setting", "choices made by fit", "hold on F", "above", "hold on B to F together", "above it"),
+        (
+            "setting", "choices made by fit", "hold on F", "fewer hold in", "hold on B to F together",
+            "fewer hold together in",
+        ),
         rows,
-    )
+    )  # fmt: skip
 
 
 def unknown_table(unknowns: Mapping[str, Unknown]) -> Table:
@@ -169,7 +172,7 @@ def conclusions(
     for read, words in ((LAST_TASK, "on task F"), (TRANSFER_TASKS, "on B to F together")):
         held = cloud[f"held_{read}"]
         yield (
-            f"Read {words}, a drawn setting makes {number(float(held.mean()))} claims hold on average and"
+            f"Read {words}, a drawn setting makes {number(round(float(held.mean()), 1))} claims hold on average and"
             f" {number(int(held.max()))} at most."
         )
     others = ", ".join(way.replace("_", " ") for way in level if way != chosen)

@@ -123,8 +123,8 @@ with running(snakemake) as script:
                         "alt": figures.HEADINGS[headline],
                         "caption": (
                             f"{CAPTIONS[headline]}, in every drawn setting: sorted on B to F together, with intervals;"
-                            " below, the unknowns that it depends on most, a mark for each setting. Savings below"
-                            " −100% are drawn there."
+                            " below, the unknowns that it depends on most, a mark for each setting."
+                            + (" Savings below −100% are drawn there." if headline in figures.FLOOR else "")
                         ),
                     }
                     for headline in curves.HEADLINES

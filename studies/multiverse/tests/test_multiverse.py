@@ -404,6 +404,16 @@ def test_drawings_of_other_maps_are_not_associated(study: Multiverse) -> None:
     assert "environments.slip" in set(table["unknown"])
 
 
+def test_levels_are_values_or_thirds(study: Multiverse) -> None:
+    width = study.unknowns["env2.corridor.corridor"]
+    assert curves.levels([1, 3, 2, 1], width)[0] == ["1", "2", "3"]
+    assert curves.levels([1, 3, 2, 1], width)[1].tolist() == [0, 2, 1, 0]
+    names, level = curves.levels([0.1 * number for number in range(9)], study.unknowns["learning.alpha"])
+    assert names == ["low", "middle", "high"]
+    assert level.tolist() == [0, 0, 0, 1, 1, 1, 2, 2, 2]
+    assert curves.levels([[9, 14]], study.unknowns["env3.start"])[0][0] == "9, 14"
+
+
 def test_degrees_of_a_setting_and_the_ledger(verdicts: pd.DataFrame) -> None:
     by_id = {claim.id: claim for claim in JUDGED}
     only_f = verdicts[verdicts["claim"] == "E3-ratio"].assign(holds=lambda f: (f["tasks"] == "F").astype(float))
