@@ -155,13 +155,8 @@ def _value(value: Any) -> str:
 # -- sentences -----------------------------------------------------------------------------------------------------
 
 
-def conclusions(
-    ledger: pd.DataFrame, scores: pd.DataFrame, chosen: str, level: Sequence[str], reference: str
-) -> Iterator[str]:
+def conclusions(scores: pd.DataFrame, chosen: str, level: Sequence[str], reference: str) -> Iterator[str]:
     """Yield what a reader may conclude, from the numbers."""
-    degrees = ledger["class"].value_counts()
-    parts = [f"{number(int(degrees.get(name, 0)))} {name}" for name in CLASSES if degrees.get(name, 0)]
-    yield f"Of {number(len(ledger))} claims, in the reference setting: {', '.join(parts)}."
     row = scores.set_index("setting").loc[reference]
     yield (
         f"More claims hold in the reference than in {percent(round(float(row[f'rank_{LAST_TASK}']), 3))} of the drawn"

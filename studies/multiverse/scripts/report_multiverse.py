@@ -72,7 +72,7 @@ with running(snakemake) as script:
             f" open, {number(study.settings)} choices were drawn at random and learned, and every statement of the"
             " article was judged in each, under every reading of its words. Nothing here was selected by its outcome."
         ),
-        conclusions=[*page.conclusions(ledger, scores, chosen, alike, reference)],
+        conclusions=[*page.conclusions(scores, chosen, alike, reference)],
         sections=[
             {
                 "heading": "How far each statement holds",
