@@ -22,13 +22,13 @@ from studies.multiverse.shares import drawn
 TEMPLATES = Path(__file__).parent / "templates"
 
 
-def ledger_table(ledger: pd.DataFrame, runs: int) -> Table:
-    """Lay out the ledger of degrees; ``runs`` are those of the reference."""
+def ledger_table(ledger: pd.DataFrame) -> Table:
+    """Lay out the ledger of degrees."""
     rows = [
         (
             row["claim"],
             row["statement"],
-            f"{row['class']}{f': {when}' if (when := row['holds_when']) else ''}",
+            f"{row['class']}{f': {when}' if isinstance(when := row['holds_when'], str) else ''}",
             _share(row["share"], row["low"], row["high"]),
             _share(row["share_together"], row["low_together"], row["high_together"]),
             _share(row["given_others"], row["given_others_low"], row["given_others_high"]),
@@ -41,14 +41,13 @@ def ledger_table(ledger: pd.DataFrame, runs: int) -> Table:
         "Degrees of the claims",
         "How far each of the article's statements holds, instead of a single verdict.",
         (
-            "claim", "the article’s statement, in our words", "in the reference", "settings, task F",
+            "claim", "the article’s statement, in our words", "in the published run", "settings, task F",
             "settings, B to F together", "given the other claims", "30 runs print it, F", "together",
         ),
         rows,
         (
             *(f"{name.capitalize()}: {meaning}." for name, meaning in CLASSES.items()),
-            f"In the reference: its class by {runs} runs of each method here. The ledger of the published run has it by"
-            " as many runs as a verdict needs.",
+            "In the published run: its class by as many runs as a verdict needs.",
             "Settings: share of the drawn settings in which the claim holds as a statement about means, with its Wilson"
             " interval; a claim that names its task or tasks is read so in both columns. Significance is that of the"
             " article's 30 runs.",
@@ -56,7 +55,7 @@ def ledger_table(ledger: pd.DataFrame, runs: int) -> Table:
             " hold. Far above the share, the claim goes with the others; far below, it speaks against them.",
             "30 runs print it: share of samples of 30 runs of the reference whose means satisfy the statement.",
         ),
-        ("the article’s statement, in our words", "in the reference"),
+        ("the article’s statement, in our words", "in the published run"),
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ import pandas as pd
 from scipy import stats
 
 from ptl.claims.claim import Claim
-from ptl.claims.degrees import STRICT, Degree, Outcomes, degree_of
+from ptl.claims.degrees import STRICT
 from ptl.claims.reading import ARTICLE_RUNS, DEFAULT, LAST_TASK, TRANSFER_TASKS, Reading
 from studies.multiverse.judging import JUDGED, LIMIT
 
@@ -132,7 +132,7 @@ LEDGER_COLUMNS = (
 )  # fmt: skip
 
 
-def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, reference: str, confidence: float) -> pd.DataFrame:
+def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, classes: pd.DataFrame, confidence: float) -> pd.DataFrame:
     """Return the degrees of each claim.
 
     Parameters
@@ -141,8 +141,8 @@ def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, reference: str, confid
         Of all settings, drawn and named.
     printed : DataFrame
         Of the reference, see `studies.multiverse.judging.replicated`.
-    reference : str
-        Name of the setting that stands for the published run.
+    classes : DataFrame
+        Columns id, class and holds_when of the published run's claims.
 
     Returns
     -------
@@ -150,21 +150,19 @@ def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, reference: str, confid
         Columns `LEDGER_COLUMNS`: shares of the drawn settings on task F (where the claim leaves the task open) and on B
         to F together, the share given all other claims, and the probability that 30 runs of the reference print it.
     """
-    cloud, own = drawn(verdicts), verdicts[verdicts["setting"] == reference]
+    cloud, published = drawn(verdicts), classes.set_index("id")
     shares = {tasks: share_table(cloud, confidence).set_index(KEYS) for tasks in (LAST_TASK, TRANSFER_TASKS)}
     others = given_others(held(cloud, LAST_TASK), confidence)
     prints = printed.set_index(KEYS)["printed"]
     rows = []
     for claim in JUDGED:
-        own_degree = degree(claim, own)
         keys = {tasks: _key(claim, reading_of(claim, tasks)) for tasks in (LAST_TASK, TRANSFER_TASKS)}
         single, together = (shares[tasks].loc[keys[tasks]] for tasks in (LAST_TASK, TRANSFER_TASKS))
         rows.append(
             (
                 claim.id,
                 claim.statement,
-                own_degree.name,
-                own_degree.when,
+                *published.loc[claim.id, ["class", "holds_when"]],
                 *single[["share", "low", "high"]],
                 *together[["share", "low", "high"]],
                 *others.loc[claim.id],
@@ -178,18 +176,3 @@ def ledger(verdicts: pd.DataFrame, printed: pd.DataFrame, reference: str, confid
 def _key(claim: Claim, reading: Reading, words: str = STRICT) -> tuple[object, ...]:
     runs = LIMIT if reading.runs is None else str(reading.runs)
     return claim.id, words, reading.tasks, reading.tolerance, runs
-
-
-def degree(claim: Claim, verdicts: pd.DataFrame) -> Degree:
-    """Return the degree of a claim by the verdicts of one setting."""
-    own = verdicts[verdicts["claim"] == claim.id]
-    outcomes = [
-        Outcomes(
-            Reading(row.tasks, row.tolerance, None if row.runs == LIMIT else int(row.runs)),
-            row.words,
-            None if np.isnan(row.holds) else bool(row.holds),
-            row.parts_holding > 0,
-        )
-        for row in own.itertuples()
-    ]
-    return degree_of(claim, outcomes)

@@ -36,7 +36,7 @@ with running(snakemake) as script:
     changes = {point.name: point.changes for point in study.points() if point.name not in study.named}
     named = {name: own.title for name, own in study.named.items()}
 
-    ledger = shares.ledger(verdicts, printed, reference, level)
+    ledger = shares.ledger(verdicts, printed, read_csv(script.input.classes), level)
     held = compatibility.tables(verdicts)
     pairs = compatibility.pair_table(held)
     scores = compatibility.score_table(verdicts)
@@ -49,7 +49,7 @@ with running(snakemake) as script:
     settings = settings.join(pd.DataFrame(settings["setting"].map(lambda name: changes.get(name, {})).tolist()))
     incomplete = int((states["status"] != COMPLETE).sum())
 
-    ledger_table = page.ledger_table(ledger, study.named_runs(reference))
+    ledger_table = page.ledger_table(ledger)
     write(ledger_table, folder / "ledger", ledger)
     write_csv(shares.share_table(shares.drawn(verdicts), level), folder / "shares.csv")
     write_csv(ways, folder / "ways.csv")
@@ -83,7 +83,7 @@ with running(snakemake) as script:
                         "alt": "Share of the settings in which each claim holds",
                         "caption": (
                             "Share of the drawn settings in which each claim holds, with intervals. The strip at the"
-                            " left shows its class in the reference setting."
+                            " left shows its class in the published run."
                         ),
                     }
                 ],

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import shutil
+from pathlib import Path
+
 import msgspec
 import numpy as np
 import pandas as pd
 import pytest
 import yaml
-from projects import ROOT
+from projects import ROOT, Project, errors_of
 
-from ptl.claims.degrees import NONE, SOME
+from ptl.claims.degrees import SOME
 from ptl.claims.reading import DEFAULT, LAST_TASK, TRANSFER_TASKS
 from ptl.config import Configuration, Parameters
 from ptl.errors import UserError
@@ -414,21 +417,19 @@ def test_levels_are_values_or_thirds(study: Multiverse) -> None:
     assert curves.levels([[9, 14]], study.unknowns["env3.start"])[0][0] == "9, 14"
 
 
-def test_degrees_of_a_setting_and_the_ledger(verdicts: pd.DataFrame) -> None:
-    by_id = {claim.id: claim for claim in JUDGED}
-    only_f = verdicts[verdicts["claim"] == "E3-ratio"].assign(holds=lambda f: (f["tasks"] == "F").astype(float))
-    assert shares.degree(by_id["E3-ratio"], only_f).name == SOME
-    assert shares.degree(by_id["E3-ratio"], only_f).when == "on task F"
-    never = only_f.assign(holds=0.0, parts_holding=0)
-    assert shares.degree(by_id["E3-ratio"], never).name == NONE
+def test_the_ledger_has_the_degrees_of_each_claim(verdicts: pd.DataFrame) -> None:
+    ids = [claim.id for claim in JUDGED]
+    classes = pd.DataFrame({"id": ids, "class": SOME, "holds_when": ["on task F", *[np.nan] * (len(ids) - 1)]})
     drawn = pd.concat([verdicts, verdicts.assign(setting="setting_0000")])
     printed = verdicts[shares.KEYS].assign(printed=0.5)
-    ledger = shares.ledger(drawn, printed, "reference", 0.95)
+    ledger = shares.ledger(drawn, printed, classes, 0.95)
     assert tuple(ledger.columns) == shares.LEDGER_COLUMNS
     assert len(ledger) == len(JUDGED)
-    table = page.ledger_table(ledger.assign(share=0.0, low=0.0, high=0.0038), 12)
+    table = page.ledger_table(ledger.assign(share=0.0, low=0.0, high=0.0038))
     assert len(table.groups[0].rows) == len(JUDGED)
     assert "0% [0, 1]" in str(table.groups[0].rows[0])
+    for row, text in zip(table.groups[0].rows, (f"{SOME}: on task F", SOME), strict=False):
+        assert f"'{text}'" in str(row)
 
 
 def test_the_reading_of_a_summary_changes_only_what_a_claim_leaves_open() -> None:
@@ -447,3 +448,43 @@ def test_a_compressed_table_is_the_same_bytes_each_time(tmp_path) -> None:
     (tmp_path / "one.csv.gz").write_bytes(b"no gzip")
     with pytest.raises(UserError, match="cannot be decompressed"):
         read_csv(tmp_path / "one.csv.gz")
+
+
+# -- the workflow --------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_the_workflow_makes_remakes_and_refuses(tmp_path: Path) -> None:
+    project = Project(tmp_path, None)
+    project.add_study("multiverse")
+    classes = tmp_path / "reports/published/claims.csv"
+    classes.parent.mkdir(parents=True)
+    shutil.copy(ROOT / "reports/published/claims.csv", classes)
+    path = tmp_path / "studies/multiverse/config/multiverse.yaml"
+    given = yaml.safe_load(path.read_text())
+    brief = given | {
+        "settings": 4,
+        "block": 2,
+        "methods": {name: {"seeds": 10} for name in given["methods"]},
+        "named": {"reference": given["named"]["reference"] | {"seeds": 10}},
+        "replicates": 2,
+    }
+    path.write_text(yaml.safe_dump(brief))
+    arguments = ("--snakefile", "studies/multiverse/Snakefile")
+    project.make(*arguments)
+    assert project.waiting(*arguments) == {}
+    assert "are whole" in project.ptl("verify", "results/multiverse").stdout
+    assert len(pd.read_csv(tmp_path / "reports/multiverse/settings.csv")) == 5
+    products = project.files("reports")
+    assert len(products) == 32
+    (tmp_path / "reports/multiverse/ways.csv").write_text("edited\n")
+    waiting = project.waiting(*arguments)
+    assert "report_multiverse" in waiting and "learn_block" not in waiting
+    path.write_text(yaml.safe_dump(brief | {"seed": 7}))
+    assert project.waiting(*arguments)["learn_block"] == 2
+    path.write_text(yaml.safe_dump(brief | {"settings": 0}))
+    [line] = errors_of(project.snakemake("-n", *arguments))
+    assert "settings" in line
+    path.write_text(yaml.safe_dump(brief))
+    project.make(*arguments)
+    assert project.files("reports") == products
