@@ -185,7 +185,9 @@ def predict(
                 own = all_weights.reindex(points.index).fillna(0.0)
                 used = own > 0
                 if not used.any():
-                    raise UserError(f"multiverse, predictions: {' '.join(map(str, cell))}: learned in no setting")
+                    raise _nowhere(
+                        cell.environment, cell.task, cell.method, cell.measure, f"of the {distribution} distribution"
+                    )
                 quantiles = _quantiles(points[used].to_numpy(), own[used].to_numpy())
                 rows.append((*cell, statistic, distribution, int(used.sum()), *quantiles))
     return pd.DataFrame(rows, columns=list(PREDICTION_COLUMNS))
@@ -214,8 +216,16 @@ def _ratio_points(cell: Cell, measure: Measure, groups: Mapping[tuple[str, ...],
 def _group(groups: Mapping[tuple[str, ...], pd.DataFrame], cell: Cell, method: str, measure: str) -> pd.DataFrame:
     names = (cell.environment, cell.task, method, measure)
     if names not in groups:
-        raise UserError(f"multiverse, predictions: {' '.join(names)}: learned in no setting")
+        raise _nowhere(*names)
     return groups[names]
+
+
+def _nowhere(environment: str, task: str, method: str, measure: str, of: str = "drawn") -> UserError:
+    """Return the error of a cell without a setting."""
+    return UserError(
+        f"multiverse, predictions: {environment} {task} {method} {measure}: learned in no setting {of}; draw more"
+        f" settings, or lower methods.{method}.every"
+    )
 
 
 def _mean_frame(measure: str, frame: pd.DataFrame) -> pd.DataFrame:
