@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from typing import Annotated
 
 import numpy as np
@@ -56,7 +57,7 @@ class Block(Job, frozen=True, kw_only=True, tag="multiverse/1"):
 
     def sources(self) -> str:
         """Return the digest of the present sources."""
-        return sources({method for point in self.points for method in point.seeds})
+        return sources(methods_of(self.points))
 
     def run(self, worlds: Worlds, watch: Watch = iter) -> dict[str, np.ndarray]:
         """Learn the settings."""
@@ -130,7 +131,13 @@ def arrays_of(point: Point, arrays: Mapping[str, np.ndarray]) -> dict[str, np.nd
 # -- planning -----------------------------------------------------------------------------------------------------
 
 
-def sources(methods: Iterable[str]) -> str:
+def methods_of(points: Iterable[Point]) -> frozenset[str]:
+    """Return the methods that are learned in some settings."""
+    return frozenset(name for point in points for name in point.seeds)
+
+
+@cache
+def sources(methods: frozenset[str]) -> str:
     """Return the digest of the sources that settings with these methods depend on."""
     modules = ("studies.multiverse.learning", *(f"ptl.methods.{name}" for name in sorted(methods)))
     return code_digest(*modules, within=(*LEARNING, "ptl.measures.measures"))
@@ -157,13 +164,12 @@ def block_jobs(study: Multiverse, run: Configuration, maps: Mapping[str, str]) -
     named, drawn = points[: len(study.named)], points[len(study.named) :]
     starts = range(0, len(drawn), study.block)
     blocks = [*([point] for point in named), *(drawn[start : start + study.block] for start in starts)]
-    code = sources(study.methods)
     jobs = (
         Block(
             root_seed=run.root_seed,
             parameters={name: getattr(run, name).to_dict() for name in PARAMETERS},
             maps={name: maps[name] for name in [*run.environments, *_extra(block)]},
-            code=code,
+            code=sources(methods_of(block)),
             number=number,
             points=block,
             measures=run.measures,

@@ -180,6 +180,7 @@ def test_blocks_hold_all_settings_once(study, run, digests, worlds) -> None:
     assert len(names) == len(set(names)) == study.settings + len(study.named)
     assert cost_of(jobs.values(), worlds).steps > 0
     assert {job.place for job in jobs.values()} == set(jobs)
+    assert all(job.code == job.sources() for job in jobs.values()), "or a check of results calls them outdated"
 
 
 def test_a_block_survives_its_text(small, short, digests) -> None:
