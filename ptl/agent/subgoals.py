@@ -74,7 +74,15 @@ def _cut(paths: _Laid, covered: np.ndarray) -> _Laid:
 
 @dataclass(frozen=True)
 class Discovery:
-    """What the first successful episodes of a task say about subgoals, computed when it is asked for."""
+    """What the first successful episodes of a task say about subgoals, computed when it is asked for.
+
+    Attributes
+    ----------
+    graph : TransitionGraph
+        The transitions seen in the task.
+    form : str
+        Form of the distance, a name of `DISTANCE_FORMS`.
+    """
 
     graph: TransitionGraph = field(repr=False)
     form: str

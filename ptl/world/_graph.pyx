@@ -34,7 +34,7 @@ cdef bint among(const whole[::1] numbers, int64_t n) noexcept:
 
 def checked_states(states, int64_t n_states):
     """States as int32, an array of int32 itself; ValueError if one is no whole number from 0 to n_states - 1."""
-    given = np.asarray(states)
+    given = np.asarray(states, order="C")
     if given.size == 0:
         return given.astype(np.int32)
     cdef bint right = False

@@ -154,7 +154,7 @@ def _value(value: Any) -> str:
 # -- sentences -----------------------------------------------------------------------------------------------------
 
 
-def conclusions(scores: pd.DataFrame, chosen: str, level: Sequence[str], reference: str) -> Iterator[str]:
+def conclusions(scores: pd.DataFrame, chosen: str, alike: Sequence[str], reference: str) -> Iterator[str]:
     """Yield what a reader may conclude, from the numbers."""
     row = scores.set_index("setting").loc[reference]
     yield (
@@ -169,7 +169,7 @@ def conclusions(scores: pd.DataFrame, chosen: str, level: Sequence[str], referen
             f"Read {words}, a drawn setting makes {number(round(float(held.mean()), 1))} claims hold on average and"
             f" {number(int(held.max()))} at most."
         )
-    others = ", ".join(way.replace("_", " ") for way in level if way != chosen)
+    others = ", ".join(way.replace("_", " ") for way in alike if way != chosen)
     ways = f" (by its place in the file; not told apart from {others})" if others else ""
     yield f"Of the ways to use a skill within an episode, the rule adopts {chosen.replace('_', ' ')}{ways}."
 
@@ -180,8 +180,11 @@ def method_lines(study: Multiverse, incomplete: int) -> list[str]:
         f"{name.replace('_', ' ')} {number(own.seeds)}{f' in every {own.every}th setting' if own.every > 1 else ''}"
         for name, own in study.methods.items()
     )
-    runs = pd.Series({own.title: study.named_runs(name) for name, own in study.named.items()})
-    others = (f"{number(runs[title])} of {title}" for title in runs.index[runs != study.named_seeds])
+    others = [
+        f"{number(runs)} of {own.title}"
+        for name, own in study.named.items()
+        if (runs := study.named_runs(name)) != study.named_seeds
+    ]
     named = ", ".join([f"{number(study.named_seeds)} of each method", *others])
     return [
         f"{number(study.settings)} settings, drawn from everything in the table above at once. Learning runs of each"

@@ -53,6 +53,13 @@ def test_what_is_not_a_state_is_refused(state):
             call()
 
 
+def test_states_may_lie_apart_in_memory():
+    apart = np.arange(8, dtype=np.int32)[::2]
+    np.testing.assert_array_equal(WORLD.transitions.steps_from(apart), WORLD.transitions.steps_from(apart.tolist()))
+    columns = np.repeat(WORLD.successors, 2, axis=1)[:, ::2]
+    assert TransitionGraph(columns).diameter() == WORLD.transitions.diameter()
+
+
 def test_an_empty_path_is_refused():
     with pytest.raises(ValueError, match="path"):
         discover([np.array([], dtype=int)], WORLD.transitions, [], 2)
